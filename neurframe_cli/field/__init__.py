@@ -1,0 +1,1 @@
+"""The frame field: spherical harmonics, frames, energy, network, singular graph."""

@@ -1,0 +1,1 @@
+"""The workspace: artifacts as files, a manifest, a lock, resume."""

@@ -1,0 +1,1 @@
+"""Child processes: limits, progress, orderly ends."""
