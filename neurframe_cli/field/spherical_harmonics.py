@@ -1,10 +1,10 @@
 """Band 4 of the real spherical harmonics: values, rotations, generators, the alignment term.
 
 Order and signs are the usual real ones: Y_{4,m} for m = -4 ... 4 ascending, m > 0 ~ cos(m phi),
-m < 0 ~ sin(|m| phi), no Condon-Shortley phase, orthonormal on the unit sphere.  The paper (section 3.2) lists q_z
-with its cos(4 theta) entry first and sin(4 theta) last, which is the mirror order m = 4 ... -4.  Nothing depends
-on it: every formula in use is an inner product of coefficient vectors, which a common permutation of the entries
-leaves as it is, and Y_{4,0} is the middle entry in both.
+m < 0 ~ sin(|m| phi), no Condon-Shortley phase, orthonormal on the unit sphere.  The paper (section 3.2) lists
+q_z with its cos(4 theta) entry first and sin(4 theta) last, which is the mirror order m = 4 ... -4.  Nothing
+depends on it: every formula in use is an inner product of coefficient vectors, which a common permutation of
+the entries leaves as it is, and Y_{4,0} is the middle entry in both.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ def alignment_vector(d: Floats) -> Floats:
     """The a(d) with a(d).q = e0' R(d->z) q, alignment in the paper's equation 2: unit d (..., 3) -> (..., 9).
 
     R(d->z) is an isometry that moves the zonal harmonic about d to the one about z, so its middle row is the
-    zonal harmonic about d, sqrt(4 pi / 9) Y4(d) by the addition theorem.  a(d) is a unit vector; a(d).q <= ALIGNED
-    for every frame q, with equality where d is one of its axes.
+    zonal harmonic about d, sqrt(4 pi / 9) Y4(d) by the addition theorem.  a(d) is a unit vector; a(d).q <=
+    ALIGNED for every frame q, with equality where d is one of its axes.
     """
     return np.asarray(np.sqrt(4.0 * np.pi / 9.0) * band4(d))
 
@@ -63,8 +63,8 @@ def _quadrature() -> tuple[Floats, Floats]:
 def rotation_band4(R: Floats) -> Floats:
     """The action of rotations on coefficients: R (..., 3, 3) -> D (..., 9, 9) orthogonal, D(A B) = D(A) D(B).
 
-    If q holds the coefficients of f, D q holds those of s -> f(R^-1 s).  Column m of D is the projection of the
-    rotated Y_{4,m}, by a quadrature that is exact for it; the only error is rounding (about 1e-15).
+    If q holds the coefficients of f, D q holds those of s -> f(R^-1 s).  Column m of D is the projection of
+    the rotated Y_{4,m}, by a quadrature that is exact for it; the only error is rounding (about 1e-15).
     """
     directions, weights = _quadrature()
     rotated = band4(directions @ np.asarray(R, np.float64))
