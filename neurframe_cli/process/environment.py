@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 
-# a program finds its libraries, home and temporary files through these; everything else stays out, so that the
-# result of a run does not depend on what happens to be exported
+# a program finds its libraries, home and temporary files through these; everything else stays out, so that
+# the result of a run does not depend on what happens to be exported
 INHERITED = (
     "PATH",
     "HOME",

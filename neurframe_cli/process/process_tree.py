@@ -17,8 +17,8 @@ _LIBC = ctypes.CDLL(None, use_errno=True) if sys.platform.startswith("linux") el
 def die_with_parent() -> Callable[[], None]:
     """What the child does between fork and exec: asks to be killed when we die, and leaves no core file.
 
-    Everything that takes a lock (imports, library look-ups) happens here in the parent; after a fork in a process
-    with threads only system calls are safe.
+    Everything that takes a lock (imports, library look-ups) happens here in the parent; after a fork in a
+    process with threads only system calls are safe.
     """
     parent = os.getpid()
 

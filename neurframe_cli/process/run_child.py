@@ -22,7 +22,7 @@ GRACE_S = 2.0  # between TERM and KILL: enough to remove temporary files, short 
 
 @dataclass(frozen=True)
 class ChildResult:
-    """What a child left: its exit code, stdout, last lines of stderr, wall and CPU seconds, peak memory in MiB."""
+    """What a child left: exit code, stdout, last lines of stderr, wall and CPU seconds, peak memory in MiB."""
 
     returncode: int
     stdout: bytes
@@ -47,11 +47,11 @@ def run_child(
     """Runs `argv` to its end in a process group of its own, with a clean environment plus `env`.
 
     `name` is what messages call the child.  Limits: `timeout_s` wall seconds, `memory_mib` of resident memory
-    (child and descendants).  `progress FRACTION TEXT` lines on its stderr reach `on_progress`.  When we end, for
-    whatever reason, so does the child.
+    (child and descendants).  `progress FRACTION TEXT` lines on its stderr reach `on_progress`.  When we end,
+    for whatever reason, so does the child.
 
-    Raises StageError when the program cannot be started or returns a code outside `accept` (InputError for code 2),
-    TimedOut, ChildOutOfMemory, ChildCrashed when a signal ended it.
+    Raises StageError when the program cannot be started or returns a code outside `accept` (InputError for
+    code 2), TimedOut, ChildOutOfMemory, ChildCrashed when a signal ended it.
     """
     child = _start(argv, name=name, env=child_environment(env, threads=threads), cwd=cwd)
     watch = _Watch(child, name, ChildOutput(child, name, on_progress), timeout_s, memory_mib)
@@ -77,7 +77,7 @@ def _start(
             env=env,
             cwd=cwd,
             start_new_session=True,
-            preexec_fn=die_with_parent(),  # noqa: PLW1509 - system calls only, see there
+            preexec_fn=die_with_parent(),
         )
     except (OSError, ValueError) as error:
         raise StageError(
@@ -102,6 +102,7 @@ class _Watch:
         self.started = time.monotonic()
         self.peak_mib = 0.0
         self.cpu_seconds = 0.0
+        self._next_memory_check = 0.0
 
     def until_end(self) -> None:
         """Returns when the child has ended and its pipes are empty; raises when it goes over a limit."""
@@ -154,13 +155,14 @@ class _Watch:
                 f"{self.name} was stopped after {self.timeout_s:.4g} seconds",
                 hint="give it more time with --timeout, or make the problem coarser",
             )
-        if self.memory_mib is None:
+        if self.memory_mib is None or time.monotonic() < self._next_memory_check:
             return
+        self._next_memory_check = time.monotonic() + POLL_S
         resident = resident_mib(self.child.pid)
         self.peak_mib = max(self.peak_mib, resident)
         if resident > self.memory_mib:
             raise ChildOutOfMemory(
-                f"{self.name} was stopped: it used {resident:.0f} MiB and {self.memory_mib:.0f} MiB are allowed",
+                f"{self.name} was stopped: it used {resident:.0f} MiB, allowed are {self.memory_mib:.0f} MiB",
                 hint="make the problem coarser, or run it on a machine with more memory",
             )
 
