@@ -1,0 +1,66 @@
+"""Option values from TOML files: --config FILE, the workspace's neurframe.toml, the current directory's."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from neurframe_cli.errors import UnreadableFile, UsageError
+
+CONFIG_NAME = "neurframe.toml"
+
+
+def config_files(explicit: Path | None, workspace: Path | None) -> list[Path]:
+    """The files that apply, strongest first."""
+    found = [explicit] if explicit is not None else []
+    found += [folder / CONFIG_NAME for folder in (workspace, Path()) if folder is not None]
+    return [path for path in dict.fromkeys(found) if path == explicit or path.is_file()]
+
+
+def read_config(path: Path) -> dict[str, dict[str, Any]]:
+    """Tables of a config file by command name; raises UnreadableFile or UsageError naming file and entry."""
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise UnreadableFile(f"config file {path} cannot be read: {error}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"config file {path} is not valid TOML: {error}") from error
+    for name, table in document.items():
+        if not isinstance(table, dict):
+            raise UsageError(
+                f"config file {path}: {name!r} stands outside a table",
+                hint="put it below [tetize], [train], ...",
+            )
+    return document
+
+
+def defaults_for(
+    command: click.Command, files: Sequence[Path], known_commands: Sequence[str]
+) -> dict[str, Any]:
+    """Option values for `command` from `files`, by parameter name; an unknown table or key is an error."""
+    options = {_key(option): option for option in command.params if isinstance(option, click.Option)}
+    values: dict[str, Any] = {}
+    for path in reversed(files):
+        for name, table in read_config(path).items():
+            _expect(name, known_commands, f"config file {path}: there is no command {name!r}")
+            if name != command.name:
+                continue
+            for key, value in table.items():
+                _expect(key, list(options), f"config file {path}: `{name}` has no option {key!r}")
+                values[options[key].name or key] = value
+    return values
+
+
+def _key(option: click.Option) -> str:
+    return max(option.opts, key=len).lstrip("-")
+
+
+def _expect(name: str, allowed: Sequence[str], message: str) -> None:
+    if name not in allowed:
+        close = difflib.get_close_matches(name, allowed, 1)
+        raise UsageError(message, hint=f"{close[0]}" if close else f"one of {', '.join(sorted(allowed))}")

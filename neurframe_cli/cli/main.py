@@ -1,0 +1,110 @@
+"""The command group: names and one-line helps here, everything else loaded when a command is called."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from types import FrameType
+from typing import Any
+
+import click
+
+from neurframe_cli import __version__
+from neurframe_cli.cli.settings import GLOBAL_OPTIONS, Settings
+from neurframe_cli.errors import Interrupted, NeurframeError
+
+# command -> what the help says; the module neurframe_cli.cli.NAME has a click command called `command`
+COMMANDS = {
+    "run": "Everything in one go: tets, field, frames, and the meshes asked for.",
+    "tetize": "Fill a surface with tetrahedra, or take a tet mesh as it is.",
+    "train": "Learn a smooth, aligned frame field in the tets.",
+    "discretize": "Query the field: frames on tets, crosses on triangles.",
+    "doctor": "What is installed here, and does it work.",
+}
+
+
+class LazyGroup(click.Group):
+    """A group whose commands are imported only when they are called, so that --help answers at once."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        command = importlib.import_module(f"neurframe_cli.cli.{cmd_name}").command
+        assert isinstance(command, click.Command)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(
+    cls=LazyGroup,
+    params=[*GLOBAL_OPTIONS()],
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+    epilog="Exit codes: 0 done, 2 unusable input or wrong options, 3 a stage failed, 4 finished but the mesh is not "
+    "valid, 124 timed out, 130 interrupted.",
+)
+@click.version_option(__version__, prog_name="neurframe")
+@click.pass_context
+def group(ctx: click.Context, **values: Any) -> None:
+    """Turn any surface mesh into a clean quad mesh or hex mesh, guided by a learned continuous frame field."""
+    ctx.obj = Settings.from_options(values)
+
+
+def run_command_line(arguments: Sequence[str]) -> int:
+    """Run `neurframe ARGUMENTS`; returns the exit code, after one line on stderr where it is not 0."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        returned = group.main(args=list(arguments), prog_name="neurframe", standalone_mode=False)
+        sys.stdout.flush()
+        return returned if isinstance(returned, int) else 0
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except NeurframeError as error:
+        _say(f"error: {error}", error.hint)
+        return error.exit_code
+    except (KeyboardInterrupt, click.Abort):
+        _say("interrupted", "run the same command again to go on from here")
+        return Interrupted.exit_code
+    except BrokenPipeError:
+        # the reader of our output has gone; keep Python from complaining about it again at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:
+        return _internal_error(error)
+
+
+def _interrupt(signum: int, frame: FrameType | None) -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    raise Interrupted("stopped by SIGTERM", hint="run the same command again to go on from here")
+
+
+def _say(line: str, hint: str | None = None) -> None:
+    click.echo(f"neurframe: {line}", err=True)
+    if hint:
+        click.echo(f"  try: {hint}", err=True)
+
+
+def _internal_error(error: Exception) -> int:
+    """A bug of ours: one line, and the traceback only for those who ask for it with NEURFRAME_DEBUG=1."""
+    if os.environ.get("NEURFRAME_DEBUG"):
+        import traceback
+
+        traceback.print_exception(error)
+    where = error.__traceback__
+    while where is not None and where.tb_next is not None:
+        where = where.tb_next
+    place = f" at {os.path.basename(where.tb_frame.f_code.co_filename)}:{where.tb_lineno}" if where else ""
+    _say(
+        f"internal error{place}: {type(error).__name__}: {error}",
+        "this is a bug in neurframe; NEURFRAME_DEBUG=1 shows its traceback, please report it",
+    )
+    return NeurframeError.exit_code

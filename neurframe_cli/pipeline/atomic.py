@@ -1,0 +1,82 @@
+"""Files that are either whole or not there: written under a temporary name, fsynced, renamed."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from neurframe_cli.errors import StageError
+
+TEMPORARY_PREFIX = ".neurframe-tmp-"
+
+
+@contextlib.contextmanager
+def atomic_path(path: Path) -> Iterator[Path]:
+    """A temporary path with the suffix of `path` in the same folder, renamed to `path` when the block succeeds.
+
+    Raises StageError where the disk is full or the folder cannot be written.
+    """
+    try:
+        handle, name = tempfile.mkstemp(prefix=TEMPORARY_PREFIX, suffix=path.suffix, dir=path.parent)
+        os.close(handle)
+    except OSError as error:
+        raise write_error(path, error) from error
+    temporary = Path(name)
+    try:
+        yield temporary
+        _settle(temporary, path)
+    except OSError as error:
+        raise write_error(path, error) from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _settle(temporary: Path, path: Path) -> None:
+    """Make the content durable, give it the permissions of a new file, then the name, then make the name durable."""
+    with temporary.open("rb") as written:
+        os.fsync(written.fileno())
+    umask = os.umask(0)
+    os.umask(umask)
+    temporary.chmod(0o666 & ~umask)
+    temporary.replace(path)
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
+
+
+def write_error(path: Path, error: OSError) -> StageError:
+    """The StageError for a failed write: full disk, read-only folder, or what the system said."""
+    if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        return StageError(
+            f"cannot write {path}: the disk is full", hint="free some space and run the same command again"
+        )
+    if error.errno in (errno.EACCES, errno.EROFS, errno.EPERM):
+        return StageError(f"cannot write {path}: permission denied", hint="choose another folder with -w")
+    return StageError(f"cannot write {path}: {error.strerror or error}")
+
+
+def write_json(path: Path, value: Any) -> None:
+    """Write a JSON file atomically; the same value gives the same bytes."""
+    with atomic_path(path) as temporary:
+        temporary.write_text(json.dumps(value, indent=1, sort_keys=True, allow_nan=False) + "\n")
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Delete temporary files that a killed process left; call only while holding the workspace lock."""
+    for leftover in folder.glob(TEMPORARY_PREFIX + "*"):
+        leftover.unlink(missing_ok=True)
+
+
+def sha256_of(path: Path) -> str:
+    """Hex digest of the file's content."""
+    with path.open("rb") as content:
+        return hashlib.file_digest(content, "sha256").hexdigest()

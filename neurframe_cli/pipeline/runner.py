@@ -1,0 +1,149 @@
+"""Running one stage in a workspace: skip what is unchanged, record what was done, leave nothing half-written."""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+import json
+import logging
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from neurframe_cli import __version__
+from neurframe_cli.errors import Interrupted, NeurframeError, NotValid, StageError
+from neurframe_cli.mesh.arrays import Progress
+from neurframe_cli.pipeline.atomic import remove_leftovers, sha256_of
+from neurframe_cli.pipeline.lock import exclusive
+from neurframe_cli.pipeline.manifest import Manifest, StageRecord, read_manifest, write_manifest
+from neurframe_cli.pipeline.usage import Usage
+from neurframe_cli.pipeline.workspace import Workspace
+
+log = logging.getLogger("neurframe")
+
+
+@dataclass
+class StageContext:
+    """What a step's work gets: where to read and write, how to tell progress, the key of its inputs and options."""
+
+    workspace: Workspace
+    progress: Progress
+    key: str
+    warnings: list[str] = field(default_factory=list)
+
+    def warn(self, message: str) -> None:
+        """Note something the user should know; it goes to the log and into the manifest."""
+        log.warning(message)
+        self.warnings.append(message)
+
+
+@dataclass(frozen=True)
+class Step:
+    """A stage bound to files.
+
+    version is raised whenever the same inputs and options would give other outputs; inputs: label -> path;
+    options: values that determine the outputs; unkeyed_options: values that do not (limits, threads), recorded only;
+    work writes the outputs (atomically) and returns the report.
+    """
+
+    name: str
+    version: int
+    inputs: Mapping[str, Path]
+    outputs: tuple[str, ...]
+    options: Mapping[str, Any]
+    work: Callable[[StageContext], dict[str, Any]]
+    unkeyed_options: Mapping[str, Any] = field(default_factory=dict)
+    packages: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class StageOutcome:
+    """What a stage left behind: its record, and whether it was skipped because nothing had changed."""
+
+    record: StageRecord
+    skipped: bool
+
+
+def run_stage(workspace: Workspace, step: Step, progress: Progress, *, force: bool = False) -> StageOutcome:
+    """Run `step` unless its outputs are there, unharmed, made from the same inputs and options.
+
+    Raises what the work raises, after the manifest has recorded it.
+    """
+    with exclusive(workspace.folder):
+        remove_leftovers(workspace.folder)
+        manifest = read_manifest(workspace.folder)
+        inputs = {label: sha256_of(path) for label, path in step.inputs.items()}
+        key = _key(step, inputs)
+        previous = manifest.stages.get(step.name)
+        if not force and previous is not None and is_current(workspace, previous, key):
+            return StageOutcome(previous, skipped=True)
+        record = StageRecord("running", key, {**step.options, **step.unkeyed_options}, inputs)
+        record.versions = _versions(step.packages)
+        record.started = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
+        manifest.stages[step.name] = record
+        write_manifest(workspace.folder, manifest)
+        context = StageContext(workspace, progress, key, record.warnings)
+        _carry_out(workspace, step, context, manifest)
+        return StageOutcome(record, skipped=False)
+
+
+def is_current(workspace: Workspace, record: StageRecord, key: str) -> bool:
+    """Whether a stage's outputs are all there with the hashes recorded, made under the same key."""
+    if record.status != "done" or record.key != key:
+        return False
+    for name, digest in record.outputs.items():
+        path = workspace / name
+        if not path.is_file():
+            return False
+        if sha256_of(path) != digest:
+            log.warning("%s has changed since it was written: it is made again", path)
+            return False
+    return True
+
+
+def _carry_out(workspace: Workspace, step: Step, context: StageContext, manifest: Manifest) -> None:
+    record = manifest.stages[step.name]
+    usage, started = Usage(), time.perf_counter()
+    try:
+        record.report = step.work(context)
+        record.status = "done"
+    except NotValid as error:
+        # written, but it does not pass its checks: never taken for done, so that the next run tries again
+        record.status, record.error = "invalid", str(error)
+        raise
+    except (KeyboardInterrupt, Interrupted):
+        record.status, record.error = "interrupted", "interrupted"
+        raise
+    except MemoryError as error:
+        record.status, record.error = "failed", "out of memory"
+        raise StageError(f"{step.name}: out of memory", hint="use a larger --edge-length") from error
+    except NeurframeError as error:
+        record.status, record.error = "failed", str(error)
+        raise
+    except Exception as error:
+        record.status, record.error = "failed", f"internal error: {error!r}"
+        raise
+    finally:
+        record.seconds = round(time.perf_counter() - started, 3)
+        record.cpu_seconds, record.peak_mib = usage.cpu_seconds(), usage.peak_mib()
+        record.outputs = {n: sha256_of(workspace / n) for n in step.outputs if (workspace / n).is_file()}
+        write_manifest(workspace.folder, manifest)
+
+
+def _key(step: Step, inputs: Mapping[str, str]) -> str:
+    document = {"stage": step.name, "version": step.version, "inputs": inputs, "options": step.options}
+    return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
+
+
+def _versions(packages: tuple[str, ...]) -> dict[str, str]:
+    from importlib.metadata import PackageNotFoundError, version
+
+    found = {"neurframe": __version__}
+    for package in packages:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return found
