@@ -53,7 +53,7 @@ class LazyGroup(click.Group):
 )
 @click.version_option(__version__, prog_name="neurframe")
 @click.pass_context
-def group(ctx: click.Context, **values: Any) -> None:
+def group(ctx: click.Context, /, **values: Any) -> None:
     """Turn any surface mesh into a clean quad mesh or hex mesh, guided by a learned continuous frame field."""
     ctx.obj = Settings.from_options(values)
 
