@@ -1,0 +1,1 @@
+"""Validity and quality of quad and hex meshes against the surface that they were made from."""
