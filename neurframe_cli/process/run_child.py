@@ -22,7 +22,7 @@ GRACE_S = 2.0  # between TERM and KILL: enough to remove temporary files, short 
 
 @dataclass(frozen=True)
 class ChildResult:
-    """What a child left: exit code, stdout, last lines of stderr, wall and CPU seconds, peak memory in MiB."""
+    """What a child left: exit code, output, last lines of stderr, wall and CPU seconds, peak memory in MiB."""
 
     returncode: int
     stdout: bytes

@@ -1,0 +1,74 @@
+"""Which way the triangles of a surface face."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from neurframe_cli.mesh.arrays import Bools, Floats, Ints
+from neurframe_cli.mesh.surface_edges import directed_edges
+
+
+def enclosed_volume(V: Floats, F: Ints) -> float:
+    """Signed volume of a closed surface, positive when its triangles are counter-clockwise seen from outside."""
+    centred = V - V[F[0, 0]]
+    a, b, c = (centred[F[:, i]] for i in range(3))
+    return float(np.einsum("ij,ij->", np.cross(a, b), c) / 6.0)
+
+
+def orient(V: Floats, F: Ints) -> Ints:
+    """F (m,3) with one orientation per patch, outward where a patch is closed.
+
+    A patch is what is connected over edges with two triangles.  Where the file's own orientation has no
+    contradiction it is kept, as only it can tell a cavity from a solid, unless a shell that lies in no other shell
+    is inside out: that one is turned, with nothing else.
+    """
+    import igl
+
+    if _consistent(F):
+        patch = np.asarray(igl.orientable_patches(F), np.int64)
+    else:
+        F, patch = (np.asarray(array, np.int64) for array in igl.bfs_orient(F))
+    inward = _inside_out(V, F, patch)
+    return np.where(inward[patch][:, None], F[:, ::-1], F)
+
+
+def _consistent(F: Ints) -> bool:
+    """True when no two triangles run along an edge in the same direction."""
+    directed = directed_edges(F)
+    return len(np.unique(directed, axis=0)) == len(directed)
+
+
+def _inside_out(V: Floats, F: Ints, patch: Ints) -> Bools:
+    """(p,) which patches are closed, of negative volume, and inside no other closed patch."""
+    count = int(patch.max()) + 1
+    closed = _closed(F, patch, count)
+    volumes = np.array([enclosed_volume(V, F[patch == i]) if closed[i] else 0.0 for i in range(count)])
+    inward = volumes < 0
+    solids = [i for i in range(count) if volumes[i] > 0]
+    for i in np.flatnonzero(inward):
+        point = V[F[patch == i][:1]].mean(axis=1)
+        inward[i] = not any(_contains(V, F[patch == j], point) for j in solids)
+    return inward
+
+
+def _closed(F: Ints, patch: Ints, count: int) -> Bools:
+    """(p,) whether every edge of a patch is run along as often one way as the other."""
+    directed = directed_edges(F)
+    edges, edge_of = np.unique(
+        np.column_stack([np.repeat(patch, 3), np.sort(directed, axis=1)]), axis=0, return_inverse=True
+    )
+    sign = np.where(directed[:, 0] < directed[:, 1], 1, -1)
+    balance = np.bincount(edge_of.reshape(-1), weights=sign, minlength=len(edges))
+    closed = np.ones(count, np.bool_)
+    closed[edges[balance != 0, 0]] = False
+    return closed
+
+
+def _contains(V: Floats, F: Ints, point: Floats) -> bool:
+    """Whether the winding number of a closed surface round `point` (1,3) is one."""
+    import igl
+
+    corners = V[F]
+    if not ((point > corners.min(axis=(0, 1))) & (point < corners.max(axis=(0, 1)))).all():
+        return False
+    return bool(igl.winding_number(V, F, point)[0] > 0.5)

@@ -1,0 +1,52 @@
+"""Reading quad and hex meshes, whatever format meshio knows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from neurframe_cli.errors import InvalidMesh
+from neurframe_cli.mesh.arrays import Floats, Ints
+from neurframe_cli.mesh.open_file import check_file, foreign_reader
+
+
+@dataclass(frozen=True)
+class CellMesh:
+    """A quad mesh (cells (m,4)) or a hex mesh (cells (m,8), VTK order); kind is "quad" or "hex"."""
+
+    kind: str
+    V: Floats
+    cells: Ints
+
+
+# what may stand beside the cells without being part of the mesh: hex files often list their boundary
+_ACCOMPANYING = {"hex": {"vertex", "line", "triangle", "quad"}, "quad": {"vertex", "line"}}
+
+
+def read_cells(path: Path) -> CellMesh:
+    """The quads or hexes of a file.
+
+    Raises UnreadableFile, or InvalidMesh where there are none, where other cells are mixed in, or where an index or a
+    coordinate is no use.
+    """
+    import meshio
+
+    check_file(path)
+    with foreign_reader(path, "meshio"):
+        mesh = meshio.read(path)
+        blocks = {kind: np.asarray(cells, np.int64) for kind, cells in mesh.cells_dict.items()}
+        V = np.asarray(mesh.points, np.float64)
+    kind, name = ("hex", "hexahedron") if "hexahedron" in blocks else ("quad", "quad")
+    if name not in blocks:
+        raise InvalidMesh(f"{path}: no quads and no hexahedra, only {', '.join(sorted(blocks)) or 'nothing'}")
+    others = {k: len(b) for k, b in blocks.items() if k != name and k not in _ACCOMPANYING[kind]}
+    if others:
+        raise InvalidMesh(f"{path}: beside {len(blocks[name])} {name}s there are other cells: {others}")
+    if V.ndim != 2 or V.shape[1] not in (2, 3) or not np.isfinite(V).all():
+        raise InvalidMesh(f"{path}: positions must be finite, with 2 or 3 coordinates")
+    cells = blocks[name]
+    if cells.size == 0 or cells.min() < 0 or cells.max() >= len(V):
+        raise InvalidMesh(f"{path}: a cell names a vertex that is not there (the file has {len(V)})")
+    return CellMesh(kind, np.pad(V, ((0, 0), (0, 3 - V.shape[1]))), cells)
