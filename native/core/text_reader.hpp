@@ -1,0 +1,150 @@
+// Reading whitespace-separated text files fast, with the file and line in every complaint.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "core/errors.hpp"
+
+namespace neurframe {
+
+// The whole file.  Raises InputError when it cannot be opened or read.
+inline std::string read_file(const std::string& path) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file) throw InputError(path + ": cannot be opened");
+  std::string text;
+  char block[1 << 16];
+  while (const std::size_t got = std::fread(block, 1, sizeof block, file.get())) text.append(block, got);
+  if (std::ferror(file.get()) != 0) throw InputError(path + ": cannot be read");
+  return text;
+}
+
+class TextReader {
+ public:
+  // comment: the character that starts a comment up to the end of the line, 0 for none
+  explicit TextReader(const std::string& path, char comment = 0)
+      : TextReader(path, read_file(path), comment) {}
+  TextReader(std::string name, std::string text, char comment)
+      : name_(std::move(name)), text_(std::move(text)), comment_(comment) {
+    at_ = text_.data();
+    end_ = at_ + text_.size();
+  }
+
+  bool at_end() {
+    skip_space();
+    return at_ == end_;
+  }
+
+  // The next word, which must exist; `what` names it in the complaint.
+  std::string_view word(const char* what) {
+    skip_space();
+    const char* start = at_;
+    while (at_ != end_ && !is_space(*at_)) ++at_;
+    if (start == at_) fail(std::string("expected ") + what + ", found the end of the file");
+    return {start, static_cast<std::size_t>(at_ - start)};
+  }
+
+  void expect(std::string_view wanted) {
+    const std::string_view found = word(std::string(wanted).c_str());
+    if (found != wanted) fail("expected '" + std::string(wanted) + "', found '" + shortened(found) + "'");
+  }
+
+  // An integer in [lowest, highest].
+  std::int64_t integer(const char* what, std::int64_t lowest, std::int64_t highest) {
+    const std::string_view found = word(what);
+    std::int64_t value = 0;
+    const auto [stop, error] = std::from_chars(found.data(), found.data() + found.size(), value);
+    if (error != std::errc{} || stop != found.data() + found.size() || value < lowest || value > highest) {
+      fail(std::string("expected ") + what + " (an integer from " + std::to_string(lowest) + " to " +
+           std::to_string(highest) + "), found '" + shortened(found) + "'");
+    }
+    return value;
+  }
+
+  // A count of items of which each takes at least `least_bytes` of text: a count that the rest of the file
+  // cannot hold is refused before memory is asked for.
+  std::size_t count(const char* what, std::size_t least_bytes) {
+    const auto value = static_cast<std::uint64_t>(integer(what, 0, std::int64_t{1} << 40));
+    const auto left = static_cast<std::uint64_t>(end_ - at_);
+    if (value > left / least_bytes) {
+      fail("expected " + std::to_string(value) + " items (" + what + "), but only " + std::to_string(left) +
+           " bytes are left in the file");
+    }
+    return static_cast<std::size_t>(value);
+  }
+
+  // A finite number: a decimal, or a rational a/b.
+  double number(const char* what) {
+    const std::string_view found = word(what);
+    const char* stop = found.data() + found.size();
+    double value = 0.0;
+    auto result = std::from_chars(found.data() + (found[0] == '+' ? 1 : 0), stop, value);
+    if (result.ec == std::errc{} && result.ptr != stop && *result.ptr == '/') {
+      double denominator = 0.0;
+      result = std::from_chars(result.ptr + 1, stop, denominator);
+      value /= denominator;
+    }
+    if (result.ec == std::errc::result_out_of_range && result.ptr == stop) return underflow(found, what);
+    if (result.ec != std::errc{} || result.ptr != stop || !std::isfinite(value)) fail_number(found, what);
+    return value;
+  }
+
+  // True when no word is left on the current line.
+  bool at_line_end() {
+    while (at_ != end_ && *at_ != '\n' && is_space(*at_)) ++at_;
+    return at_ == end_ || *at_ == '\n';
+  }
+
+  void skip_line() {
+    while (at_ != end_ && *at_ != '\n') ++at_;
+  }
+
+  std::string place() const {
+    std::int64_t line = 1;
+    for (const char* c = text_.data(); c != at_; ++c) line += *c == '\n';
+    return name_ + ":" + std::to_string(line);
+  }
+
+  [[noreturn]] void fail(const std::string& message) const { throw InputError(place() + ": " + message); }
+
+ private:
+  static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+  static std::string shortened(std::string_view word) {
+    return word.size() <= 40 ? std::string(word) : std::string(word.substr(0, 37)) + "...";
+  }
+
+  void skip_space() {
+    while (at_ != end_ && (is_space(*at_) || (comment_ != 0 && *at_ == comment_))) {
+      if (comment_ != 0 && *at_ == comment_) {
+        while (at_ != end_ && *at_ != '\n') ++at_;
+      } else {
+        ++at_;
+      }
+    }
+  }
+
+  // from_chars reports denormals below the smallest double as out of range: they are zero; 1e999 is not.
+  double underflow(std::string_view found, const char* what) const {
+    if (found.find("e-") == std::string_view::npos && found.find("E-") == std::string_view::npos) {
+      fail_number(found, what);
+    }
+    return 0.0;
+  }
+
+  [[noreturn]] void fail_number(std::string_view found, const char* what) const {
+    fail(std::string("expected ") + what + " (a finite number), found '" + shortened(found) + "'");
+  }
+
+  std::string name_;
+  std::string text_;
+  char comment_;
+  const char* at_ = nullptr;
+  const char* end_ = nullptr;
+};
+
+}  // namespace neurframe
