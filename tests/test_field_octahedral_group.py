@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from neurframe_cli.field.octahedral_group import COMPOSE, GROUP, INVERSE, SPIN, TURN, Turn
+from neurframe_cli.field.octahedral_group import AXIS, COMPOSE, GROUP, INVERSE, TURN, Turn
 
 
 def test_elements_are_24_distinct_rotations_and_identity_is_first():
@@ -32,8 +32,9 @@ def test_classes_have_the_sizes_of_the_cube_group_and_are_invariant_under_conjug
     assert (TURN[conjugate] == TURN[None, :]).all()
 
 
-def test_spin_is_the_axis_of_quarter_turns():
-    for g, spin in zip(GROUP[TURN == Turn.QUARTER], SPIN[TURN == Turn.QUARTER], strict=True):
-        rotvec = Rotation.from_matrix(g).as_rotvec()
-        assert spin / 2 == pytest.approx(rotvec / (np.pi / 2), abs=1e-12)
-        assert np.abs(spin).sum() == 2
+def test_axes_turn_quarters_counter_clockwise_and_are_fixed():
+    for g, axis in zip(GROUP[TURN == Turn.QUARTER], AXIS[TURN == Turn.QUARTER], strict=True):
+        assert axis == pytest.approx(Rotation.from_matrix(g).as_rotvec() / (np.pi / 2), abs=1e-12)
+    assert (np.einsum("gij,gj->gi", GROUP, AXIS) == AXIS).all()
+    has_axis = (TURN == Turn.QUARTER) | (TURN == Turn.HALF)
+    assert (np.linalg.norm(AXIS, axis=1) == has_axis).all()

@@ -48,6 +48,13 @@ def _turn(g: Floats) -> Turn:
     return Turn.HALF if np.abs(diagonal).sum() == 3 else Turn.COMPOUND
 
 
+def _axis(g: Floats) -> Floats:
+    """Unit rotation axis of a quarter or half turn about a frame axis, else zero."""
+    if _turn(g) == Turn.QUARTER:
+        return 0.5 * np.array([g[2, 1] - g[1, 2], g[0, 2] - g[2, 0], g[1, 0] - g[0, 1]])
+    return np.maximum(np.diag(g), 0.0) if _turn(g) == Turn.HALF else np.zeros(3)
+
+
 # (24, 3, 3) float64, GROUP[0] the identity
 GROUP = _signed_permutations()
 # COMPOSE[a, b] is the index of GROUP[a] @ GROUP[b]; INVERSE[a] that of GROUP[a].T
@@ -55,11 +62,8 @@ COMPOSE = _index(np.einsum("aij,bjk->abik", GROUP, GROUP))
 INVERSE = _index(GROUP.transpose(0, 2, 1))
 # (24,) a Turn each
 TURN = np.array([_turn(g) for g in GROUP], np.int64)
-# (24, 3) twice the sine part of the rotation: axis times 2 sin(angle), zero for the identity and for half turns
-SPIN = np.stack(
-    [GROUP[:, 2, 1] - GROUP[:, 1, 2], GROUP[:, 0, 2] - GROUP[:, 2, 0], GROUP[:, 1, 0] - GROUP[:, 0, 1]],
-    axis=1,
-)
+# (24, 3) unit rotation axes, quarter turns counter-clockwise about them; zero for identity and compounds
+AXIS = np.stack([_axis(g) for g in GROUP])
 
-for _table in (GROUP, COMPOSE, INVERSE, TURN, SPIN):
+for _table in (GROUP, COMPOSE, INVERSE, TURN, AXIS):
     _table.setflags(write=False)
