@@ -1,0 +1,112 @@
+"""Kill a stage with SIGKILL at random moments, run it again, and compare with an undisturbed run.
+
+    python benchmarks/kill_and_resume.py samples/cube.stl --kills 20
+
+For each of tetize and train: one undisturbed run, then per kill a fresh copy, the same command killed after a random
+share of the undisturbed time, every file left checked against the manifest (none torn), the command run again, and the
+outputs compared byte by byte.  Prints one JSON line a kill and a summary; exit status 1 where anything differed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from neurframe_cli.pipeline.atomic import sha256_of
+from neurframe_cli.pipeline.manifest import read_manifest
+
+OUTPUTS = {
+    "tetize": ("surface.ply", "tets.mesh", "features.json"),
+    "train": ("field.safetensors",),
+}
+
+
+def main() -> None:
+    arguments = parse_arguments()
+    with tempfile.TemporaryDirectory() as scratch:
+        failures = sum(
+            kill_stage(stage, arguments, Path(scratch) / stage, random.Random(arguments.seed))
+            for stage in ("tetize", "train")
+        )
+    sys.exit(1 if failures else 0)
+
+
+def parse_arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("model", type=Path)
+    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--edge-length", default="0.05")
+    return parser.parse_args()
+
+
+def kill_stage(stage: str, arguments: argparse.Namespace, scratch: Path, rng: random.Random) -> int:
+    """Number of kills after which the second run did not end as the undisturbed one did."""
+    scratch.mkdir()
+    before = scratch / "before"
+    before.mkdir()
+    tetize = command("tetize", arguments, before)
+    if stage == "train":
+        subprocess.run(tetize, check=True)
+    reference, seconds = undisturbed(stage, arguments, before, scratch / "reference")
+    failures = 0
+    for number in range(arguments.kills):
+        outcome = kill_once(stage, arguments, before, scratch / "victim", rng.random() * seconds)
+        outcome |= {"stage": stage, "kill": number, "same": outcome.pop("outputs") == reference}
+        failures += not (outcome["same"] and not outcome["torn"])
+        print(json.dumps(outcome), flush=True)
+    print(f"{stage}: {arguments.kills} kills within {seconds:.1f} s, {failures} with another result", flush=True)
+    return failures
+
+
+def command(stage: str, arguments: argparse.Namespace, workspace: Path) -> list[str]:
+    base = [sys.executable, "-m", "neurframe_cli", stage, "-q", "-w", str(workspace)]
+    return [*base, str(arguments.model), "--edge-length", arguments.edge_length] if stage == "tetize" else base
+
+
+def undisturbed(stage: str, arguments: argparse.Namespace, before: Path, folder: Path) -> tuple[dict[str, str], float]:
+    shutil.copytree(before, folder)
+    started = time.monotonic()
+    subprocess.run(command(stage, arguments, folder), check=True)
+    return hashes(stage, folder), time.monotonic() - started
+
+
+def kill_once(stage: str, arguments: argparse.Namespace, before: Path, folder: Path, delay: float) -> dict[str, object]:
+    """Kill after `delay` seconds, look for torn files, run again; outputs by hash."""
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(before, folder)
+    victim = subprocess.Popen(command(stage, arguments, folder), start_new_session=True, stderr=subprocess.DEVNULL)
+    time.sleep(delay)
+    os.kill(victim.pid, signal.SIGKILL)
+    victim.wait()
+    torn = torn_files(folder)
+    again = subprocess.run(command(stage, arguments, folder), check=False)
+    return {"after_s": round(delay, 2), "torn": torn, "exit": again.returncode, "outputs": hashes(stage, folder)}
+
+
+def torn_files(folder: Path) -> list[str]:
+    """Artifacts whose content is not what the manifest says, in stages that the manifest calls done."""
+    return [
+        name
+        for record in read_manifest(folder).stages.values()
+        if record.status == "done"
+        for name, digest in record.outputs.items()
+        if sha256_of(folder / name) != digest
+    ]
+
+
+def hashes(stage: str, folder: Path) -> dict[str, str]:
+    return {name: sha256_of(folder / name) for name in OUTPUTS[stage] if (folder / name).is_file()}
+
+
+if __name__ == "__main__":
+    main()
