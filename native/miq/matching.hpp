@@ -1,0 +1,39 @@
+// Matchings (period jumps) between neighbouring crosses, and the quarter turns of the field around vertices.
+#pragma once
+
+#include <vector>
+
+#include "miq/cross_surface.hpp"
+
+namespace neurframe {
+
+// Turns the cross of every triangle with a feature edge by the least angle that aligns it with that edge (the
+// longest one if there are several).  Returns the largest turn in radians.
+double align_to_features(CrossSurface& surface);
+
+// Rounds the rotation between neighbouring crosses to quarter turns: the matching of every half-edge.
+void compute_matchings(CrossSurface& surface);
+
+// Rotation in (-pi, pi] that is left of the first axis across half-edge h after its matching is taken off.
+double rotation_residual(const CrossSurface& surface, int h);
+
+// The corners of one vertex between two feature edges, or all of them where there are less than two.
+struct Sector {
+  int vertex;
+  std::vector<int> corners;  // counter-clockwise
+  bool closed;               // no feature edge at the vertex
+  int quarter_turns;         // of the map from the first spoke to the last: 4 at a regular interior vertex
+};
+
+// All sectors.  Quarter turns are counted as angle, not modulo 4: (sum of corner angles + residuals) / 90 degrees.
+std::vector<Sector> measure_sectors(const CrossSurface& surface);
+
+// per vertex: -1 regular, else the index of its first sector in `sectors` that makes it an integer point
+std::vector<char> singular_vertices(const CrossSurface& surface, const std::vector<Sector>& sectors);
+
+// Shifts matchings along edges until every sector between features has at least one quarter turn and every
+// closed one at least `closed_minimum`.  Returns how many edges were shifted; sectors that could not be
+// mended stay as they are.
+int repair_sectors(CrossSurface& surface, std::vector<Sector>& sectors, int closed_minimum);
+
+}  // namespace neurframe

@@ -1,0 +1,228 @@
+#include "miq/parametrize.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <map>
+
+#include "core/program.hpp"
+#include "miq/cut_graph.hpp"
+#include "miq/map_system.hpp"
+#include "miq/matching.hpp"
+#include "miq/quantization.hpp"
+#include "miq/separation.hpp"
+#include "miq/untangle.hpp"
+
+namespace neurframe {
+namespace {
+
+// CPU seconds of each step, in the statistics under "seconds".
+class StepClock {
+ public:
+  explicit StepClock(Json& statistics) : statistics_(statistics) {}
+  void finish(const char* step, double fraction) {
+    const std::clock_t now = std::clock();
+    statistics_["seconds"][step] = static_cast<double>(now - start_) / CLOCKS_PER_SEC;
+    start_ = now;
+    report_progress(fraction, step);
+  }
+
+ private:
+  Json& statistics_;
+  std::clock_t start_ = std::clock();
+};
+
+CrossSurface build_surface(const TriangleMesh& mesh, const std::vector<std::array<double, 6>>& crosses,
+                           const std::vector<double>& sizing, Json& statistics) {
+  CrossSurface surface;
+  for (const Point3& p : mesh.V) surface.positions.emplace_back(p[0], p[1], p[2]);
+  surface.triangles = mesh.F;
+  pair_half_edges(surface);
+  statistics["vertices_split"] = split_nonmanifold_vertices(surface);
+  for (int f = 0; f < surface.triangle_count(); ++f) {
+    const auto k = static_cast<size_t>(f);
+    if (!(surface.area(f) > 0)) throw InputError("triangle " + std::to_string(f) + " has no area");
+    const Eigen::Vector3d normal = surface.normal(f);
+    Eigen::Vector3d axis(crosses[k][0], crosses[k][1], crosses[k][2]);
+    axis -= normal * normal.dot(axis);
+    if (!(axis.norm() > 1e-6)) throw InputError("the cross of triangle " + std::to_string(f) + " is not tangent");
+    surface.axis.push_back(axis.normalized());
+    double size = 1;
+    if (!sizing.empty()) {
+      size = 0;
+      for (const int v : mesh.F[k]) size += sizing[static_cast<size_t>(v)] / 3;
+    }
+    surface.size.push_back(size);
+    surface.source.push_back(f);
+  }
+  surface.matching.assign(static_cast<size_t>(surface.half_edge_count()), 0);
+  return surface;
+}
+
+// Quarter turns minus the regular number, counted over vertices.
+Json singularity_histogram(const CrossSurface& surface, const std::vector<Sector>& sectors) {
+  std::map<int, int> interior;
+  int corners = 0;
+  for (const Sector& sector : sectors) {
+    if (sector.closed && sector.quarter_turns != 4) ++interior[sector.quarter_turns];
+    if (!sector.closed && sector.quarter_turns != 2) ++corners;
+  }
+  (void)surface;
+  Json json;
+  for (const auto& [turns, count] : interior) json[std::to_string(turns)] = count;
+  json["feature_sectors"] = corners;
+  return json;
+}
+
+// Everything that the map is computed from, once the mesh and the matchings are fixed.
+struct Problem {
+  CrossSurface surface;
+  std::vector<Sector> sectors;
+  std::vector<char> singular;
+  CutGraph graph;
+  ReducedVariables variables;
+};
+
+Problem prepare_problem(CrossSurface surface, const ParametrizeOptions& options, double edge_length, Json& statistics) {
+  FeatureOptions features = options.features;
+  features.shortest_line = std::max(features.shortest_line, 4 * edge_length);
+  mark_features(surface, features);
+  statistics["splits"]["long_edges"] = split_long_edges(surface, options.longest_edge * edge_length);
+  statistics["splits"]["features"] = split_around_features(surface);
+  statistics["largest_feature_turn_deg"] = align_to_features(surface) * 180 / M_PI;
+  compute_matchings(surface);
+  Problem problem;
+  problem.sectors = measure_sectors(surface);
+  statistics["shifted_matchings"] = repair_sectors(surface, problem.sectors, 2);
+  statistics["singularities"] = singularity_histogram(surface, problem.sectors);
+  std::vector<char> critical = singular_vertices(surface, problem.sectors);
+  for (int h = 0; h < surface.half_edge_count(); ++h) {
+    if (surface.is_feature(h)) critical[static_cast<size_t>(surface.from(h))] = critical[static_cast<size_t>(surface.to(h))] = 1;
+  }
+  statistics["splits"]["critical"] = split_between_critical(surface, critical);
+  problem.sectors = measure_sectors(surface);
+  problem.singular = singular_vertices(surface, problem.sectors);
+  const std::vector<char> crossed = comb(surface);
+  problem.graph = build_cut_graph(surface, crossed, problem.singular);
+  problem.variables = reduce_variables(surface, problem.graph, problem.singular);
+  problem.surface = std::move(surface);
+  statistics["triangles"] = problem.surface.triangle_count();
+  statistics["seam_branches"] = problem.graph.branches.size();
+  statistics["real_variables"] = problem.variables.real_count;
+  statistics["integer_variables"] = problem.variables.integer_count;
+  return problem;
+}
+
+Json untangle_json(const UntangleResult& result) {
+  Json json;
+  json["iterations"] = result.iterations;
+  json["folds_before"] = result.folds_before;
+  json["folds_after"] = result.folds_after;
+  return json;
+}
+
+double parametric_area(const Problem& problem, const MapSystem& system, const Eigen::VectorXd& real, const Eigen::VectorXd& integer) {
+  double area = 0;
+  for (int f = 0; f < problem.surface.triangle_count(); ++f) {
+    const Vector6 x = system.corner_parameters(f, real, integer);
+    area += ((x[2] - x[0]) * (x[5] - x[1]) - (x[4] - x[0]) * (x[3] - x[1])) / 2;
+  }
+  return area;
+}
+
+// The real-valued seamless map, and what quantisation needs of it; all of it scales with the edge length.
+struct Seamless {
+  TriangleShapes shapes;
+  PoissonSystem poisson;
+  Eigen::VectorXd real, integer;
+
+  // to edge length times factor
+  void rescale(double factor) {
+    for (Matrix46& jacobian : shapes.jacobian) jacobian *= factor;
+    for (double& weight : shapes.weight) weight /= factor * factor;
+    poisson.real_right /= factor;
+    real /= factor;
+    integer /= factor;
+  }
+};
+
+Quantization quantize_at_scale(const Problem& problem, const MapSystem& system, const Seamless& seamless,
+                               const ParametrizeOptions& options, Json& statistics) {
+  const std::vector<SeparationRow> rows =
+      separation_rows(problem.surface, problem.variables, problem.singular, system, seamless.real, seamless.integer,
+                      options.separation_reach);
+  Quantization quantization = quantize(seamless.poisson.schur, seamless.integer, rows);
+  statistics["quantization"]["separation_rows"] = rows.size();
+  statistics["quantization"]["violated_rows"] = quantization.violated_rows;
+  statistics["quantization"]["energy"] = quantization.energy;
+  statistics["quantization"]["local_moves"] = quantization.local_moves;
+  return quantization;
+}
+
+// Repeats the quantisation at corrected edge lengths until the parametric area is within 2 % of the target.
+Quantization quantize_to_target(const Problem& problem, const MapSystem& system, Seamless& seamless,
+                                const ParametrizeOptions& options, Json& statistics) {
+  constexpr int kMostRounds = 8;
+  for (int round = 1;; ++round) {
+    Quantization quantization = quantize_at_scale(problem, system, seamless, options, statistics);
+    if (options.target_faces <= 0 || round == kMostRounds) return quantization;
+    const Eigen::VectorXd real = seamless.poisson.real_given(quantization.values);
+    const double ratio = parametric_area(problem, system, real, quantization.values) / options.target_faces;
+    statistics["quantization"]["rounds"] = round;
+    if (!(ratio > 0) || std::abs(ratio - 1) < 0.02) return quantization;
+    seamless.rescale(std::sqrt(ratio));
+  }
+}
+
+}  // namespace
+
+Parametrization parametrize(const TriangleMesh& mesh, const std::vector<std::array<double, 6>>& crosses,
+                            const std::vector<double>& sizing, const ParametrizeOptions& options, Json& statistics) {
+  StepClock clock(statistics);
+  CrossSurface surface = build_surface(mesh, crosses, sizing, statistics);
+  double edge_length = options.edge_length;
+  if (options.target_faces > 0) edge_length = std::sqrt(total_area(surface) / options.target_faces);
+  const Problem problem = prepare_problem(std::move(surface), options, edge_length, statistics);
+  clock.finish("preparation", 0.2);
+
+  Seamless seamless;
+  seamless.shapes = triangle_shapes(problem.surface, edge_length);
+  seamless.poisson = poisson_system(problem.variables, seamless.shapes);
+  seamless.integer = seamless.poisson.integer_optimum;
+  seamless.real = seamless.poisson.real_given(seamless.integer);
+  clock.finish("poisson", 0.4);
+
+  const int count = problem.surface.triangle_count();
+  MapSystem free_system(problem.variables, count, true);
+  if (!folded_triangles(free_system, seamless.shapes, seamless.real, seamless.integer).empty()) {
+    UntangleOptions untangle_options;
+    untangle_options.polish = 0;
+    statistics["seamless"] =
+        untangle_json(untangle(free_system, seamless.shapes, untangle_options, seamless.real, seamless.integer));
+  }
+  clock.finish("seamless_untangling", 0.6);
+
+  const Quantization quantization = quantize_to_target(problem, free_system, seamless, options, statistics);
+  clock.finish("quantization", 0.75);
+
+  MapSystem system(problem.variables, count, false);
+  Eigen::VectorXd integer = quantization.values;
+  Eigen::VectorXd real = seamless.poisson.real_given(integer);
+  statistics["integer_grid"] = untangle_json(untangle(system, seamless.shapes, UntangleOptions{}, real, integer));
+  clock.finish("untangling", 0.9);
+
+  const FixedPointMap fixed = fixed_point_map(problem.variables, real, integer);
+  Parametrization out{quad_map(problem.surface, problem.variables, problem.graph, fixed, integer),
+                      problem.surface.source, check_map(problem.surface, problem.sectors, fixed)};
+  statistics["fraction_bits"] = fixed.fraction_bits;
+  statistics["folded_triangles"] = out.check.folded.size();
+  statistics["overwound_vertices"] = out.check.overwound.size();
+  statistics["cells"] = out.check.cells;
+  statistics["valid"] = out.check.valid();
+  clock.finish("fixed_point", 1.0);
+  return out;
+}
+
+}  // namespace neurframe

@@ -1,0 +1,35 @@
+// The whole way from crosses on triangles to a checked integer-grid map.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/json.hpp"
+#include "core/quad_map_io.hpp"
+#include "core/triangle_mesh.hpp"
+#include "miq/fixed_point_map.hpp"
+#include "miq/prepare.hpp"
+
+namespace neurframe {
+
+struct ParametrizeOptions {
+  double edge_length = 0;         // target, in input units
+  int target_faces = 0;           // if positive, overrides edge_length
+  double longest_edge = 3;        // triangles with longer edges (in target edge lengths) are split
+  double separation_reach = 1.5;  // cells around critical vertices in which they are kept apart
+  FeatureOptions features;
+};
+
+struct Parametrization {
+  QuadMap map;
+  std::vector<int> source;  // input triangle of each triangle of the map
+  MapCheck check;
+};
+
+// crosses: per triangle two tangent vectors (6 numbers); sizing: per vertex a factor on the edge length, or empty.
+// Raises InputError for input that cannot be used and StageError where a step fails; statistics are filled as the
+// steps go.
+Parametrization parametrize(const TriangleMesh& mesh, const std::vector<std::array<double, 6>>& crosses,
+                            const std::vector<double>& sizing, const ParametrizeOptions& options, Json& statistics);
+
+}  // namespace neurframe

@@ -1,0 +1,189 @@
+#include "miq/prepare.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+namespace neurframe {
+namespace {
+
+// One triangle under construction: its vertices, and per half-edge what it inherits from its parent.
+struct Piece {
+  std::array<int, 3> triangle;
+  std::array<char, 3> feature;
+  std::array<int, 3> matching;
+};
+
+Piece piece_of(const CrossSurface& surface, int f) {
+  Piece piece{surface.triangles[static_cast<size_t>(f)], {}, {}};
+  for (int i = 0; i < 3; ++i) {
+    const auto h = static_cast<size_t>(3 * f + i);
+    piece.feature[static_cast<size_t>(i)] = surface.feature[h];
+    piece.matching[static_cast<size_t>(i)] = surface.matching[h];
+  }
+  return piece;
+}
+
+void store(CrossSurface& surface, int f, const Piece& piece) {
+  surface.triangles[static_cast<size_t>(f)] = piece.triangle;
+  for (int i = 0; i < 3; ++i) {
+    const auto h = static_cast<size_t>(3 * f + i);
+    surface.feature[h] = piece.feature[static_cast<size_t>(i)];
+    surface.matching[h] = piece.matching[static_cast<size_t>(i)];
+  }
+}
+
+// a new triangle with the cross of triangle f
+void append(CrossSurface& surface, int f, const Piece& piece) {
+  const auto parent = static_cast<size_t>(f);
+  surface.triangles.push_back(piece.triangle);
+  surface.axis.push_back(Eigen::Vector3d(surface.axis[parent]));
+  surface.size.push_back(double{surface.size[parent]});
+  surface.source.push_back(int{surface.source[parent]});
+  surface.feature.resize(surface.feature.size() + 3);
+  surface.matching.resize(surface.matching.size() + 3);
+  store(surface, surface.triangle_count() - 1, piece);
+}
+
+// Cuts triangle h / 3 from `middle`, a vertex on its edge h, to the corner opposite.
+void cut_triangle(CrossSurface& surface, int h, int middle) {
+  const int f = h / 3;
+  const Piece whole = piece_of(surface, f);
+  const auto i = static_cast<size_t>(h % 3);
+  const size_t j = (i + 1) % 3;
+  const size_t k = (i + 2) % 3;
+  store(surface, f,
+        {{whole.triangle[i], middle, whole.triangle[k]},
+         {whole.feature[i], 0, whole.feature[k]},
+         {whole.matching[i], 0, whole.matching[k]}});
+  append(surface, f,
+         {{middle, whole.triangle[j], whole.triangle[k]},
+          {whole.feature[i], whole.feature[j], 0},
+          {whole.matching[i], whole.matching[j], 0}});
+}
+
+void split_edge(CrossSurface& surface, int h) {
+  const int o = surface.twin(h);
+  surface.positions.push_back((surface.at(surface.from(h)) + surface.at(surface.to(h))) / 2);
+  const int middle = surface.vertex_count() - 1;
+  cut_triangle(surface, h, middle);
+  if (o >= 0) cut_triangle(surface, o, middle);
+}
+
+void split_at_centroid(CrossSurface& surface, int f) {
+  const Piece whole = piece_of(surface, f);
+  const auto [a, b, c] = whole.triangle;
+  surface.positions.push_back((surface.at(a) + surface.at(b) + surface.at(c)) / 3);
+  const int middle = surface.vertex_count() - 1;
+  store(surface, f, {{a, b, middle}, {whole.feature[0], 0, 0}, {whole.matching[0], 0, 0}});
+  append(surface, f, {{b, c, middle}, {whole.feature[1], 0, 0}, {whole.matching[1], 0, 0}});
+  append(surface, f, {{c, a, middle}, {whole.feature[2], 0, 0}, {whole.matching[2], 0, 0}});
+}
+
+// Splits, longest first, edges that pass `wanted`, in rounds in which no triangle is touched twice.
+template <class Wanted>
+int split_edges(CrossSurface& surface, const Wanted& wanted) {
+  int splits = 0;
+  while (true) {
+    std::vector<std::pair<double, int>> edges;
+    for (int h = 0; h < surface.half_edge_count(); ++h) {
+      if (h > surface.twin(h) && wanted(h)) edges.emplace_back(-surface.along(h).norm(), h);
+    }
+    if (edges.empty()) return splits;
+    std::sort(edges.begin(), edges.end());
+    std::vector<char> touched(surface.triangles.size(), 0);
+    for (const auto& [order, h] : edges) {
+      const int o = surface.twin(h);
+      if (touched[static_cast<size_t>(h / 3)] || (o >= 0 && touched[static_cast<size_t>(o / 3)])) continue;
+      touched[static_cast<size_t>(h / 3)] = 1;
+      if (o >= 0) touched[static_cast<size_t>(o / 3)] = 1;
+      split_edge(surface, h);
+      ++splits;
+    }
+    pair_half_edges(surface);
+  }
+}
+
+std::vector<char> feature_vertices(const CrossSurface& surface) {
+  std::vector<char> on(surface.positions.size(), 0);
+  for (int h = 0; h < surface.half_edge_count(); ++h) {
+    if (surface.is_feature(h)) on[static_cast<size_t>(surface.from(h))] = on[static_cast<size_t>(surface.to(h))] = 1;
+  }
+  return on;
+}
+
+void set_feature(CrossSurface& surface, int h, char value) {
+  surface.feature[static_cast<size_t>(h)] = value;
+  if (surface.twin(h) >= 0) surface.feature[static_cast<size_t>(surface.twin(h))] = value;
+}
+
+void drop_short_lines(CrossSurface& surface, double shortest) {
+  const std::vector<int> outgoing = outgoing_half_edges(surface);
+  std::vector<char> done(static_cast<size_t>(surface.half_edge_count()), 0);
+  for (int seed = 0; seed < surface.half_edge_count(); ++seed) {
+    if (!surface.is_feature(seed) || done[static_cast<size_t>(seed)]) continue;
+    std::vector<int> line{seed};
+    done[static_cast<size_t>(seed)] = 1;
+    double length = 0;
+    bool boundary = false;
+    for (size_t i = 0; i < line.size(); ++i) {
+      const int h = line[i];
+      if (h > surface.twin(h)) length += surface.along(h).norm();
+      boundary = boundary || surface.twin(h) < 0;
+      std::vector<int> around = fan(surface, outgoing[static_cast<size_t>(surface.to(h))]);
+      if (surface.twin(h) >= 0) around.push_back(surface.twin(h));
+      for (const int k : fan(surface, outgoing[static_cast<size_t>(surface.from(h))])) around.push_back(k);
+      for (const int k : around) {
+        if (!surface.is_feature(k) || done[static_cast<size_t>(k)]) continue;
+        done[static_cast<size_t>(k)] = 1;
+        line.push_back(k);
+      }
+    }
+    if (length >= shortest || boundary) continue;
+    for (const int h : line) set_feature(surface, h, 0);
+  }
+}
+
+}  // namespace
+
+void mark_features(CrossSurface& surface, const FeatureOptions& options) {
+  surface.feature.assign(static_cast<size_t>(surface.half_edge_count()), 0);
+  const std::set<std::pair<int, int>> pairs(options.pairs.begin(), options.pairs.end());
+  const double cosine = std::cos(options.angle_deg * std::numbers::pi / 180);
+  for (int h = 0; h < surface.half_edge_count(); ++h) {
+    const int o = surface.twin(h);
+    const bool sharp = o >= 0 && !options.given && surface.normal(h / 3).dot(surface.normal(o / 3)) < cosine;
+    const bool listed = pairs.count({surface.from(h), surface.to(h)}) || pairs.count({surface.to(h), surface.from(h)});
+    if (o < 0 || sharp || listed) set_feature(surface, h, 1);
+  }
+  if (!options.given) drop_short_lines(surface, options.shortest_line);
+}
+
+int split_long_edges(CrossSurface& surface, double longest) {
+  return split_edges(surface, [&](int h) { return surface.along(h).norm() > longest; });
+}
+
+int split_around_features(CrossSurface& surface) {
+  int splits = 0;
+  const int before = surface.triangle_count();
+  for (int f = 0; f < before; ++f) {
+    if (surface.is_feature(3 * f) + surface.is_feature(3 * f + 1) + surface.is_feature(3 * f + 2) < 2) continue;
+    split_at_centroid(surface, f);
+    ++splits;
+  }
+  pair_half_edges(surface);
+  std::vector<char> on = feature_vertices(surface);
+  return splits + split_between_critical(surface, on);
+}
+
+int split_between_critical(CrossSurface& surface, std::vector<char>& critical) {
+  return split_edges(surface, [&](int h) {
+    critical.resize(surface.positions.size(), 0);
+    return !surface.is_feature(h) && critical[static_cast<size_t>(surface.from(h))] &&
+           critical[static_cast<size_t>(surface.to(h))];
+  });
+}
+
+}  // namespace neurframe
