@@ -95,6 +95,7 @@ def _drop(F: Ints) -> tuple[Ints, int, int]:
 
 
 def _report(V: Floats, F: Ints, counts: tuple[int, int, int, int]) -> CleaningReport:
+    import igl
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -104,6 +105,6 @@ def _report(V: Floats, F: Ints, counts: tuple[int, int, int, int]) -> CleaningRe
     components = int(connected_components(graph, directed=False)[0])
     euler = len(V) - len(edges.edges) + len(F)
     open_edges, nonmanifold = int((edges.face_count == 1).sum()), int((edges.face_count > 2).sum())
-    manifold = open_edges == 0 and nonmanifold == 0 and euler % 2 == 0
+    manifold = open_edges == 0 and nonmanifold == 0 and bool(igl.is_vertex_manifold(F).all())
     genus = components - euler // 2 if manifold else None
     return CleaningReport(*counts, open_edges, nonmanifold, components, euler, genus)

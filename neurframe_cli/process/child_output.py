@@ -32,11 +32,17 @@ def parse_progress(line: str) -> tuple[float, str] | None:
 class ChildOutput:
     """Reads both pipes of a child without ever blocking on one of them."""
 
-    def __init__(self, child: Popen[bytes], name: str, on_progress: Progress | None) -> None:
+    def __init__(
+        self,
+        child: Popen[bytes],
+        name: str,
+        on_progress: Progress | None,
+        on_line: Callable[[str], None] | None,
+    ) -> None:
         self.name = name
         self.stdout = bytearray()
         self.last_lines: deque[str] = deque(maxlen=KEPT_STDERR_LINES)
-        self._on_progress = on_progress
+        self._on_progress, self._on_line = on_progress, on_line
         self._partial_line = b""
         self._selector = selectors.DefaultSelector()
         for pipe, take in ((child.stdout, self._take_stdout), (child.stderr, self._take_stderr)):
@@ -87,5 +93,7 @@ class ChildOutput:
         progress = parse_progress(line)
         if progress is None:
             self.last_lines.append(line)
+            if self._on_line is not None:
+                self._on_line(line)
         elif self._on_progress is not None:
             self._on_progress(*progress)

@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -42,19 +42,20 @@ def run_child(
     threads: int | None = None,
     cwd: Path | None = None,
     on_progress: Progress | None = None,
+    on_line: Callable[[str], None] | None = None,
     accept: Sequence[int] = (0,),
 ) -> ChildResult:
     """Runs `argv` to its end in a process group of its own, with a clean environment plus `env`.
 
     `name` is what messages call the child.  Limits: `timeout_s` wall seconds, `memory_mib` of resident memory
-    (child and descendants).  `progress FRACTION TEXT` lines on its stderr reach `on_progress`.  When we end,
-    for whatever reason, so does the child.
+    (child and descendants).  `progress FRACTION TEXT` lines on its stderr reach `on_progress`, the other lines
+    `on_line`.  When we end, for whatever reason, so does the child.
 
     Raises StageError when the program cannot be started or returns a code outside `accept` (InputError for
     code 2), TimedOut, ChildOutOfMemory, ChildCrashed when a signal ended it.
     """
     child = _start(argv, name=name, env=child_environment(env, threads=threads), cwd=cwd)
-    watch = _Watch(child, name, ChildOutput(child, name, on_progress), timeout_s, memory_mib)
+    watch = _Watch(child, name, ChildOutput(child, name, on_progress, on_line), timeout_s, memory_mib)
     try:
         watch.until_end()
     finally:

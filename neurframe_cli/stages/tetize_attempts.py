@@ -1,0 +1,178 @@
+"""fTetWild with one setting after the other until the result passes its checks."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from neurframe_cli.errors import ChildOutOfMemory, InvalidMesh, NeurframeError, StageError, TimedOut
+from neurframe_cli.mesh.arrays import Floats, Progress, Surface, TetMesh, as_surface
+from neurframe_cli.mesh.check_tets import checked_tets
+from neurframe_cli.mesh.clean_surface import CleaningReport
+from neurframe_cli.mesh.manifold_boundary import make_boundary_manifold
+from neurframe_cli.stages.run_tetwild import TetwildRun, TetwildSettings, run_tetwild
+from neurframe_cli.stages.tetize_check import Fit, fit, refuse_misfit
+
+if TYPE_CHECKING:
+    from neurframe_cli.stages.tetize import TetizeOptions
+
+# of the time that is left, an attempt that has another one behind it gets this part
+TIME_SHARE = 0.6
+COARSEST = 0.25  # coarser than this a tet mesh says nothing about its shape
+SPARE_MIB = 512  # what is left to the rest of the machine when memory_mib is None
+
+
+class EmptyResultError(StageError):
+    """fTetWild ended well and returned nothing."""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One run of fTetWild: its settings, `done` or what went wrong, wall and CPU seconds, peak MiB."""
+
+    settings: TetwildSettings
+    outcome: str
+    seconds: float
+    cpu_seconds: float = 0.0
+    peak_mib: float = 0.0
+
+
+@dataclass(frozen=True)
+class Success:
+    """Tets in input coordinates that passed their checks, and how they came about."""
+
+    tets: TetMesh
+    fit: Fit
+    seeded: bool
+    warnings: list[str]
+    attempts: tuple[Attempt, ...]
+
+
+def first_success(
+    surface: Surface, report: CleaningReport, options: TetizeOptions, progress: Progress, scratch_dir: Path
+) -> Success:
+    """The tets of the first settings that lead to valid ones; raises the error of the last when none do."""
+    deadline = time.monotonic() + options.timeout_s
+    boxed = _to_unit_box(surface)
+    first = TetwildSettings(options.edge_length, options.epsilon, num_threads=options.threads)
+    settings: TetwildSettings | None = first
+    attempts: list[Attempt] = []
+    while True:
+        assert settings is not None
+        started = time.monotonic()
+        share = TIME_SHARE if settings_after(first, settings, TimedOut("")) else 1.0
+        try:
+            run = run_tetwild(
+                boxed.surface,
+                settings,
+                seed=options.seed,
+                timeout_s=(deadline - started) * share,
+                memory_mib=options.memory_mib or _free_mib(),
+                progress=progress,
+                scratch_dir=scratch_dir,
+            )
+            tets, found, warnings = _accepted(run, boxed, surface, report, settings)
+        except (StageError, TimedOut) as error:
+            attempts.append(Attempt(settings, f"{type(error).__name__}: {error}", time.monotonic() - started))
+            settings = settings_after(first, settings, error)
+            if settings is None or time.monotonic() >= deadline:
+                raise _final(error, attempts) from error
+            progress(0.0, f"again with other settings ({error})")
+            continue
+        attempts.append(Attempt(settings, "done", time.monotonic() - started, run.cpu_seconds, run.peak_mib))
+        return Success(tets, found, run.seeded, _other_settings(attempts) + warnings, tuple(attempts))
+
+
+def settings_after(first: TetwildSettings, last: TetwildSettings, error: Exception) -> TetwildSettings | None:
+    """What to try after `last` failed with `error`, None where nothing is left.
+
+    Too slow or too large: twice the edge length, up to four times the first.  Anything else: without fTetWild's
+    simplification of the input, then with twice the envelope, then coarser as well.
+    """
+    doubled = 2 * last.edge_length_fac
+    coarser = replace(last, edge_length_fac=doubled, simplify=True)
+    coarse_enough = doubled > min(COARSEST, 4 * first.edge_length_fac)
+    if isinstance(error, TimedOut | ChildOutOfMemory):
+        return None if coarse_enough else coarser
+    if last.simplify:
+        return replace(last, simplify=False)
+    if last.epsilon == first.epsilon:
+        return replace(last, epsilon=2 * first.epsilon, simplify=True)
+    return None if coarse_enough else coarser
+
+
+@dataclass(frozen=True)
+class UnitBox:
+    """A surface moved to the origin and scaled by a power of two to a diagonal between 1/2 and 1.
+
+    fTetWild loses itself in coordinates of 1e-20 or 1e20; a power of two keeps every bit of the mantissa.
+    """
+
+    surface: Surface
+    origin: Floats
+    scale: float
+
+
+def _to_unit_box(surface: Surface) -> UnitBox:
+    origin = surface.V.min(axis=0)
+    diagonal = float(np.linalg.norm(np.ptp(surface.V, axis=0)))
+    scale = 2.0 ** np.ceil(np.log2(diagonal))
+    return UnitBox(as_surface((surface.V - origin) / scale, surface.F), origin, float(scale))
+
+
+def _accepted(
+    run: TetwildRun, boxed: UnitBox, surface: Surface, report: CleaningReport, settings: TetwildSettings
+) -> tuple[TetMesh, Fit, list[str]]:
+    """Tets in input coordinates, how they fit, and warnings; raises StageError for what cannot be used."""
+    if len(run.T) == 0:
+        raise EmptyResultError("fTetWild returned no tets")
+    try:
+        tets, _ = checked_tets(run.V * boxed.scale + boxed.origin, run.T, "fTetWild's result")
+        tets, manifold = make_boundary_manifold(tets)
+        checked_tets(tets.V, tets.T, "fTetWild's result, taken apart where it touches itself")
+    except InvalidMesh as error:
+        raise StageError(str(error)) from error
+    found = fit(tets, surface, report)
+    warnings = refuse_misfit(found, settings.epsilon, report)
+    if manifold.halved_edges or manifold.copied_vertices:
+        warnings.append(
+            f"taken apart where the solid only touches itself: {manifold.halved_edges} edges, "
+            f"{manifold.copied_vertices} vertices"
+        )
+    if manifold.pinched_vertices:
+        warnings.append(f"the boundary touches itself at {manifold.pinched_vertices} vertices")
+    return tets, found, warnings
+
+
+def _other_settings(attempts: list[Attempt]) -> list[str]:
+    """A warning where it was not the first attempt that succeeded."""
+    first, last = attempts[0].settings, attempts[-1].settings
+    if first == last:
+        return []
+    return [
+        f"needed {len(attempts)} attempts, the first ended with {attempts[0].outcome}; reached with edge length "
+        f"{last.edge_length_fac:g}, epsilon {last.epsilon:g}, simplification {'on' if last.simplify else 'off'}"
+    ]
+
+
+def _final(error: StageError | TimedOut, attempts: list[Attempt]) -> NeurframeError:
+    """The error that the user sees after the last attempt."""
+    if all(attempt.outcome.startswith(EmptyResultError.__name__) for attempt in attempts):
+        return InvalidMesh(
+            f"no tets: the surface encloses nothing thicker than epsilon ({len(attempts)} attempts)",
+            hint="close the surface, or lower --epsilon",
+        )
+    kind = StageError if isinstance(error, EmptyResultError) else type(error)
+    tried = f" ({len(attempts)} attempts)" if len(attempts) > 1 else ""
+    return kind(f"{error}{tried}", hint=error.hint or "try a larger --edge-length or --epsilon")
+
+
+def _free_mib() -> float:
+    """What a child may take when nobody said: the memory that is free now, less a spare."""
+    import psutil
+
+    return max(float(psutil.virtual_memory().available) / 2**20 - SPARE_MIB, SPARE_MIB)
