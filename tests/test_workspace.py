@@ -200,7 +200,9 @@ def test_workspace_is_found_by_the_rules(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.chdir(tmp_path)
     with pytest.raises(UsageError, match="no workspace here"):
         find_workspace(None)
-    made = workspace_for_input(Path("models/part.stl"), None)
+    for name in ("part.stl", "other.stl"):
+        Path(name).write_text("solid")
+    made = workspace_for_input(Path("part.stl"), None)
     assert made.folder == Path("part.neurframe")
     assert find_workspace(None).folder == Path("part.neurframe")
     workspace_for_input(Path("other.stl"), None)
@@ -211,6 +213,13 @@ def test_workspace_is_found_by_the_rules(tmp_path: Path, monkeypatch: pytest.Mon
     assert find_workspace(None).folder == Path()
     with pytest.raises(UsageError, match="no workspace"):
         find_workspace(Path("missing"))
+
+
+def test_missing_input_makes_no_workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UnreadableFile, match=r"part\.stl"):
+        workspace_for_input(Path("part.stl"), None)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_artifact_that_links_out_of_the_workspace_is_refused(tmp_path: Path) -> None:

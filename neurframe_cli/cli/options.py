@@ -33,3 +33,42 @@ def options(*decorators: Callable[[Command], Command]) -> Callable[[Command], Co
         return command
 
     return apply
+
+
+tetize_options = options(
+    click.option(
+        "--edge-length",
+        type=click.FloatRange(1e-4, 1.0),
+        default=0.025,
+        show_default=True,
+        help="Edge length of the tets, in bounding-box diagonals.",
+    ),
+    click.option(
+        "--epsilon",
+        type=click.FloatRange(1e-6, 0.1),
+        default=1e-3,
+        show_default=True,
+        help="How far the surface may move, in bounding-box diagonals.",
+    ),
+    click.option(
+        "--feature-angle",
+        type=click.FloatRange(0, 180),
+        default=45.0,
+        show_default=True,
+        help="Edges that bend by more degrees are features.",
+    ),
+    click.option(
+        "--features",
+        type=click.Path(path_type=Path),
+        help="Feature edges instead of the angle: features.json, or a VTK or OBJ file with lines.",
+    ),
+    click.option(
+        "--timeout",
+        type=click.FloatRange(0, min_open=True),
+        default=600.0,
+        show_default=True,
+        help="Seconds for the tetrahedral meshing.",
+    ),
+    click.option("--memory", type=click.IntRange(64), help="MiB that a child process may use.  [default: what is free]"),
+    seed_option,
+)

@@ -7,6 +7,7 @@ import errno
 import hashlib
 import json
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -71,9 +72,23 @@ def write_json(path: Path, value: Any) -> None:
 
 
 def remove_leftovers(folder: Path) -> None:
-    """Delete temporary files that a killed process left; call only while holding the workspace lock."""
+    """Delete temporary files and folders that a killed process left; call only while holding the workspace lock."""
     for leftover in folder.glob(TEMPORARY_PREFIX + "*"):
-        leftover.unlink(missing_ok=True)
+        if leftover.is_dir() and not leftover.is_symlink():
+            shutil.rmtree(leftover)
+        else:
+            leftover.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def scratch_folder(parent: Path) -> Iterator[Path]:
+    """A folder for the files between two programs, gone at the end of the block."""
+    try:
+        scratch = tempfile.TemporaryDirectory(prefix=TEMPORARY_PREFIX, dir=parent.resolve())
+    except OSError as error:
+        raise write_error(parent, error) from error
+    with scratch as name:
+        yield Path(name)
 
 
 def sha256_of(path: Path) -> str:

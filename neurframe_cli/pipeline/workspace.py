@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from neurframe_cli.errors import UsageError
+from neurframe_cli.mesh.open_file import check_file
 from neurframe_cli.pipeline.atomic import write_error
 from neurframe_cli.pipeline.manifest import MANIFEST_NAME
 
@@ -34,6 +35,7 @@ class Workspace:
 
 def workspace_for_input(model: Path, chosen: Path | None) -> Workspace:
     """The workspace of a command with an INPUT: the one chosen with -w, else STEM.neurframe; created if missing."""
+    check_file(model)  # before a folder is made for it
     folder = chosen if chosen is not None else Path(model.stem + SUFFIX)
     if folder.exists() and not folder.is_dir():
         raise UsageError(f"{folder} is a file, not a workspace folder", hint="choose another folder with -w")
