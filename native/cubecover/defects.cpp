@@ -1,0 +1,132 @@
+#include "cubecover/defects.hpp"
+
+#include <map>
+#include <optional>
+#include <random>
+
+#include "core/fixed_point.hpp"
+#include "cubecover/exact_map.hpp"
+
+namespace neurframe {
+
+const char* name_of(Defect::Kind kind) {
+  switch (kind) {
+    case Defect::Kind::compound_edge:
+      return "compound edge";
+    case Defect::Kind::off_axis_edge:
+      return "off-axis edge";
+    case Defect::Kind::turning_point:
+      return "turning point";
+    case Defect::Kind::empty_sector:
+      return "empty sector";
+    case Defect::Kind::overfull_sector:
+      return "overfull sector";
+    case Defect::Kind::crooked_sector:
+      return "crooked sector";
+    case Defect::Kind::degenerate_tet:
+      return "degenerate tet";
+  }
+  return "";
+}
+
+namespace {
+
+constexpr double farthest_off_axis_deg = 54.7;  // the diagonal of the cube: beyond it another axis is nearer
+
+Eigen::Vector3d middle(const FieldMesh& mesh, const EdgeKey& edge) {
+  return (at(mesh.points, edge[0]) + at(mesh.points, edge[1])) / 2;
+}
+
+// The matchings along a walk from tet to tet inside the star of the vertex.
+OctahedralRotation transport_in_star(const FieldMesh& mesh, int vertex, int from, int to) {
+  std::map<int, OctahedralRotation> reached = {{from, OctahedralRotation()}};
+  std::vector<int> queue = {from};
+  for (std::size_t i = 0; i < queue.size() && !reached.contains(to); ++i) {
+    for (int h = 4 * queue[i]; h < 4 * queue[i] + 4; ++h) {
+      const int twin = at(mesh.twin, h);
+      if (twin < 0 || reached.contains(twin / 4) || corner_of(at(mesh.tets, twin / 4), vertex) < 0) continue;
+      reached[twin / 4] = at(mesh.matchings, h) * reached[queue[i]];
+      queue.push_back(twin / 4);
+    }
+  }
+  return reached.at(to);
+}
+
+// The chart axis along the singular edge, pointing towards the vertex or away from it.
+SignedAxis axis_at(const SingularEdge& edge, int vertex, bool towards) {
+  const bool edge_ends_here = edge.vertices[1] == vertex;
+  return {edge.axis, edge_ends_here == towards ? edge.orientation : -edge.orientation};
+}
+
+bool is_turning_point(const CombedField& field, int vertex) {
+  const std::vector<int>& around = at(field.singular.edges_of_vertex, vertex);
+  if (around.size() != 2) return false;
+  const SingularEdge& arriving = at(field.singular.edges, around[0]);
+  const SingularEdge& leaving = at(field.singular.edges, around[1]);
+  if (arriving.axis < 0 || leaving.axis < 0) return false;
+  const OctahedralRotation across = transport_in_star(field.mesh, vertex, arriving.tet, leaving.tet);
+  return !(carried(across, axis_at(arriving, vertex, true)) == axis_at(leaving, vertex, false));
+}
+
+void add_edge_defects(const CombedField& field, std::vector<Defect>& defects) {
+  for (const SingularEdge& edge : field.singular.edges) {
+    if (edge.axis < 0) {
+      defects.push_back({Defect::Kind::compound_edge, middle(field.mesh, edge.vertices)});
+    } else if (edge.off_axis_deg > farthest_off_axis_deg) {
+      defects.push_back({Defect::Kind::off_axis_edge, middle(field.mesh, edge.vertices)});
+    }
+  }
+}
+
+void add_turning_points(const CombedField& field, std::vector<Defect>& defects) {
+  const std::vector<char> on_boundary = boundary_vertices(field.mesh);
+  for (int v = 0; v < field.mesh.point_count(); ++v) {
+    if (!at(on_boundary, v) && is_turning_point(field, v)) {
+      defects.push_back({Defect::Kind::turning_point, at(field.mesh.points, v)});
+    }
+  }
+}
+
+std::optional<Defect::Kind> sector_defect(int quarter_turns, bool feature) {
+  if (quarter_turns == 0) return Defect::Kind::empty_sector;
+  if (quarter_turns == 4) return Defect::Kind::overfull_sector;
+  if (quarter_turns < 0 || (quarter_turns != 2 && !feature)) return Defect::Kind::crooked_sector;
+  return {};
+}
+
+void add_sector_defects(const CombedField& field, std::vector<Defect>& defects) {
+  for (const BoundaryEdge& edge : field.boundary_edges) {
+    const bool feature = is_feature(field.mesh, edge_key(edge.vertices[0], edge.vertices[1]));
+    const int quarter_turns = sector_quarter_turns(field.mesh, edge, field.boundary_axis);
+    if (const auto kind = sector_defect(quarter_turns, feature)) {
+      defects.push_back({*kind, middle(field.mesh, edge.vertices)});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Defect> field_defects(const CombedField& field) {
+  std::vector<Defect> defects;
+  add_edge_defects(field, defects);
+  add_turning_points(field, defects);
+  add_sector_defects(field, defects);
+  return defects;
+}
+
+std::vector<Defect> degenerate_tets(const CombedField& field, const ReducedMap& map) {
+  std::mt19937_64 random(1);  // any values do; fixed ones make the answer repeatable
+  Eigen::VectorXd columns(map.column_count());
+  for (Eigen::Index i = 0; i < columns.size(); ++i) columns(i) = static_cast<double>(random() % 4096);
+  const ExactMap exact = round_to_grid(map, columns);
+  std::vector<Defect> defects;
+  for (int t = 0; t < field.mesh.tet_count(); ++t) {
+    const auto& u = at(exact.parameters, t);
+    if (orient3d(u[0], u[1], u[2], u[3]) == 0) {
+      defects.push_back({Defect::Kind::degenerate_tet, tet_center(field.mesh, t)});
+    }
+  }
+  return defects;
+}
+
+}  // namespace neurframe

@@ -1,0 +1,31 @@
+// What keeps a field from carrying an integer-grid map, found before anything is solved.
+#pragma once
+
+#include "cubecover/constraints.hpp"
+#include "cubecover/reduced_map.hpp"
+
+namespace neurframe {
+
+struct Defect {
+  enum class Kind {
+    compound_edge,    // turns about a diagonal of the cube: no hex mesh has such an edge
+    off_axis_edge,    // the frame's axis is more than 54.7 degrees off the edge: another axis is nearer
+    turning_point,    // a singular line changes its axis in passing a vertex
+    empty_sector,     // no quarter turn of the solid is left between two boundary faces
+    overfull_sector,  // four quarter turns between two boundary faces
+    crooked_sector,   // the boundary turns about an axis that is not along the edge
+    degenerate_tet    // no volume for any choice of the free unknowns
+  };
+  Kind kind;
+  Eigen::Vector3d place;
+};
+
+const char* name_of(Defect::Kind kind);
+
+std::vector<Defect> field_defects(const CombedField& field);
+
+// Tets whose determinant is zero for random values of the free unknowns, in exact arithmetic: they are so for
+// all.
+std::vector<Defect> degenerate_tets(const CombedField& field, const ReducedMap& map);
+
+}  // namespace neurframe

@@ -1,0 +1,59 @@
+#include "cubecover/spd_solver.hpp"
+
+#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCholesky>
+#include <utility>
+
+#include "core/errors.hpp"
+
+namespace neurframe {
+
+namespace {
+
+constexpr Eigen::Index most_factored =
+    60000;  // above, the fill-in of a 3D mesh costs more than the iterations
+using ConjugateGradient =
+    Eigen::ConjugateGradient<SparseMatrix, Eigen::Lower, Eigen::IncompleteCholesky<double>>;
+
+}  // namespace
+
+struct SpdSolver::Implementation {
+  SparseMatrix matrix;
+  Eigen::SimplicialLDLT<SparseMatrix> factorisation;
+  ConjugateGradient iteration;
+  bool factored = false;
+};
+
+SpdSolver::SpdSolver(SparseMatrix lower) : implementation_(std::make_unique<Implementation>()) {
+  Implementation& self = *implementation_;
+  self.matrix = std::move(lower);
+  self.factored = self.matrix.rows() <= most_factored;
+  if (self.matrix.rows() == 0) return;
+  if (self.factored) {
+    self.factorisation.compute(self.matrix);
+    const bool positive =
+        self.factorisation.info() == Eigen::Success && self.factorisation.vectorD().minCoeff() > 0;
+    if (!positive) throw StageError("the Laplacian of the map is singular: a part of the mesh is not held");
+  } else {
+    self.iteration.setTolerance(1e-10);
+    self.iteration.compute(self.matrix);
+  }
+}
+
+SpdSolver::~SpdSolver() = default;
+
+Eigen::VectorXd SpdSolver::solve(const Eigen::VectorXd& right_side) const {
+  if (right_side.size() == 0) return right_side;
+  if (implementation_->factored) return implementation_->factorisation.solve(right_side);
+  return implementation_->iteration.solve(right_side);
+}
+
+Eigen::VectorXd solve_loosely(const SparseMatrix& lower, const Eigen::VectorXd& right_side,
+                              double tolerance) {
+  ConjugateGradient iteration;
+  iteration.setTolerance(tolerance);
+  iteration.compute(lower);
+  return iteration.solve(right_side);
+}
+
+}  // namespace neurframe

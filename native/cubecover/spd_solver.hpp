@@ -1,0 +1,31 @@
+// Sparse symmetric positive definite systems.
+#pragma once
+
+#include <Eigen/Dense>
+#include <Eigen/Sparse>
+#include <memory>
+
+namespace neurframe {
+
+using SparseMatrix = Eigen::SparseMatrix<double>;
+
+// Solves with a Cholesky factorisation while that is cheap, with conjugate gradients for large systems.  Only
+// the lower triangle of the matrix is read.
+class SpdSolver {
+ public:
+  // Raises StageError when the matrix is not positive definite.
+  explicit SpdSolver(SparseMatrix lower);
+  ~SpdSolver();
+
+  Eigen::VectorXd solve(const Eigen::VectorXd& right_side) const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+// An approximate solution with relative residual `tolerance`, by conjugate gradients preconditioned with an
+// incomplete Cholesky factorisation.
+Eigen::VectorXd solve_loosely(const SparseMatrix& lower, const Eigen::VectorXd& right_side, double tolerance);
+
+}  // namespace neurframe

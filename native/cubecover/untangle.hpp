@@ -1,0 +1,21 @@
+// Foldover-free optimisation of the map over its free columns (Garanzha et al. 2021), by Newton's method.
+#pragma once
+
+#include "cubecover/targets.hpp"
+
+namespace neurframe {
+
+struct UntangleResult {
+  Eigen::VectorXd columns;
+  Foldover before;
+  Foldover after;
+  int iterations = 0;
+};
+
+// Minimises the barrier energy over the columns [0, active); the others keep their values.  Stops when no tet
+// is folded and the energy has settled, or when ten iterations brought no fewer folded tets: what does not
+// unfold then has a defect in the field, which no optimiser removes.
+UntangleResult untangle(const TetTargets& targets, const ReducedMap& map, const Eigen::VectorXd& columns,
+                        int active);
+
+}  // namespace neurframe
