@@ -17,7 +17,7 @@ def block_jacobi(energy: FieldEnergy) -> torch.Tensor:
     blocks = torch.diag_embed(degree[:, None].expand(-1, 9)).contiguous()
     for alignment in (energy.boundary, energy.feature):
         _add_outer_products(blocks, alignment)
-    return torch.linalg.inv(blocks)
+    return torch.inverse(blocks)
 
 
 def apply_blocks(blocks: torch.Tensor, x: torch.Tensor) -> torch.Tensor:

@@ -79,8 +79,8 @@ def field_energy(
     """Assembles E with the factors of the terms in it."""
     m, factors = len(terms.points), terms.factors
     smooth_weights = factors.smooth * terms.smooth_weights
-    degree = np.bincount(terms.dual_edges.ravel(), np.repeat(smooth_weights, 2), m)
-    to = {"device": device, "dtype": dtype}
+    degree = np.asarray(np.bincount(terms.dual_edges.ravel(), np.repeat(smooth_weights, 2), m), np.float64)
+    to: dict[str, Any] = {"device": device, "dtype": dtype}
     boundary = _alignment(terms.boundary, factors.boundary, m, to)
     feature = _alignment(terms.feature, factors.feature, m, to)
     constant = ALIGNED**2 * float(boundary.weights.double().sum() + feature.weights.double().sum())
@@ -92,20 +92,6 @@ def field_energy(
         boundary.target() + feature.target(),
         constant,
     )
-
-
-class EnergyOfCoefficients(torch.autograd.Function):
-    """E(q) for autograd: the backward pass is the gradient that the forward pass has computed on the way."""
-
-    @staticmethod
-    def forward(ctx: Any, q: torch.Tensor, energy: FieldEnergy) -> torch.Tensor:
-        half_gradient = energy.half_gradient(q)
-        ctx.save_for_backward(half_gradient)
-        return energy.value_from(q, half_gradient)
-
-    @staticmethod
-    def backward(ctx: Any, *upstream: torch.Tensor) -> tuple[torch.Tensor, None]:
-        return 2.0 * upstream[0] * ctx.saved_tensors[0], None
 
 
 def _laplacian(dual_edges: Ints, weights: Floats, degree: Floats, to: dict[str, Any]) -> torch.Tensor:

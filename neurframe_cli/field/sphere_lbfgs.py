@@ -17,7 +17,7 @@ from neurframe_cli.mesh.arrays import Progress, silent
 
 MEMORY = 8
 # sufficient decrease and the factor of a step that failed it (Armijo)
-SUFFICIENT, SHORTER = 1e-4, 0.4
+SUFFICIENT, SHORTER, SHORTEST = 1e-4, 0.4, 1e-7
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def minimize_on_spheres(
 
 def unit_rows(x: torch.Tensor) -> torch.Tensor:
     """x (m,9) with rows of length one."""
-    return x / x.norm(dim=1, keepdim=True).clamp_min(1e-30)
+    return torch.nn.functional.normalize(x, dim=1, eps=1e-30)
 
 
 def tangent(v: torch.Tensor, q: torch.Tensor) -> torch.Tensor:
@@ -117,14 +117,14 @@ def _line_search(
     energy: FieldEnergy, q: torch.Tensor, value: float, direction: torch.Tensor, slope: float
 ) -> _Found:
     """The first of 1, 0.4, 0.4^2 ... with enough decrease; the last tried where rounding leaves none."""
-    length = 1.0
-    for products in range(1, 20):
+    length, products = 1.0, 0
+    while True:
         trial = unit_rows(q + length * direction)
         trial_value, gradient = _value_and_gradient(energy, trial)
-        if trial_value <= value + SUFFICIENT * length * slope:
-            break
+        products += 1
+        if trial_value <= value + SUFFICIENT * length * slope or length < SHORTEST:
+            return _Found(trial, trial_value, gradient, products)
         length *= SHORTER
-    return _Found(trial, trial_value, gradient, products)
 
 
 def _value_and_gradient(energy: FieldEnergy, q: torch.Tensor) -> tuple[float, torch.Tensor]:
