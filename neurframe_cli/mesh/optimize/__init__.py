@@ -1,0 +1,1 @@
+"""Optimisation of quad and hex meshes against the surface that they were made from."""

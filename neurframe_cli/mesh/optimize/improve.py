@@ -1,0 +1,146 @@
+"""Rounds of minimisation in the tangent spaces and projection, each kept only where it does no harm."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from neurframe_cli.mesh.arrays import Floats, Ints, Progress
+from neurframe_cli.mesh.optimize.cell_kind import CellKind, target_lengths
+from neurframe_cli.mesh.optimize.constraints import Constraints, Foot
+from neurframe_cli.mesh.optimize.corner_energy import CornerEnergy, EnergyWeights
+from neurframe_cli.mesh.optimize.guard import guarded_step, least_allowed
+from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise
+
+# normals (cells,3) that say which side of each quad is outside, given positions; hexes need none
+Normals = Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True)
+class ImproveOptions:
+    """rounds at most; steps: L-BFGS iterations in a round; size: weight of size against shape; power: exponent for the
+    worst corners in the last rounds; anisotropy: share of each cell's own proportions in its target; gain: a round
+    that raises worst + mean scaled Jacobian by less ends a phase."""
+
+    rounds: int = 20
+    steps: int = 15
+    size: float = 0.1
+    power: float = 4.0
+    anisotropy: float = 0.0
+    gain: float = 1e-4
+
+
+@dataclass(frozen=True)
+class State:
+    """Positions (n,3), outward normals of quads (c,3), quality (c,): worst scaled Jacobian of each cell."""
+
+    x: Floats
+    outside: Floats | None
+    quality: Floats
+
+    @property
+    def inverted(self) -> int:
+        return int((self.quality <= 0.0).sum())
+
+    @property
+    def merit(self) -> float:
+        return float(self.quality.min() + self.quality.mean())
+
+    def better_than(self, other: State) -> bool:
+        return (-self.inverted, self.merit) > (-other.inverted, other.merit)
+
+
+class Improver:
+    """A mesh with its constraints: cells (c,k) of one kind over the vertices X (n,3), and what is good about them."""
+
+    def __init__(
+        self,
+        X: Floats,
+        cells: Ints,
+        kind: CellKind,
+        constraints: Constraints,
+        normals: Normals | None,
+        options: ImproveOptions,
+    ) -> None:
+        self.cells, self.kind, self.constraints = cells, kind, constraints
+        self.normals, self.options = normals, options
+        lengths = target_lengths(X, cells, kind, options.anisotropy, rounds=5)
+        corners = cells[:, kind.corners].reshape(-1, kind.corners.shape[1])
+        self.energy = CornerEnergy(len(X), corners[:, 0], corners[:, 1:], lengths.reshape(len(corners), -1))
+        self.first = self._state(X)
+
+    def run(self, start: Floats, progress: Progress) -> tuple[State, int]:
+        """Best state found from `start` (n,3), never worse than X in its worst cell, and the number of rounds."""
+        best, foot, power = self.first, self.constraints.project(start), 1.0
+        outside, done = self._outside(foot.points), 0
+        for done in range(1, self.options.rounds + 1):
+            foot, gain = self._relaxed(foot, outside, power)
+            kept = self.guarded(best, foot.points)
+            best, outside = kept if kept.better_than(best) else best, kept.outside
+            report = f"worst {kept.quality.min():.3f}, mean {kept.quality.mean():.3f}"
+            progress(done / self.options.rounds, report)
+            if gain < self.options.gain:
+                if power == self.options.power:
+                    break
+                power = self.options.power
+        return best, done
+
+    def guarded(self, old: State, new: Floats) -> State:
+        """As near to `new` as every cell allows that may not fall below what `old` permits."""
+        outside = self._outside(new)
+
+        def project(x: Floats) -> Floats:
+            return self.constraints.project(x).points
+
+        def quality(x: Floats) -> Floats:
+            return self._quality(x, outside)
+
+        x, found = guarded_step(old.x, new, self.cells, quality, project, least_allowed(old.quality))
+        return State(x, outside, found)
+
+    def _relaxed(self, foot: Foot, outside: Floats | None, power: float) -> tuple[Foot, float]:
+        """Some steps down the energy in the tangent spaces at `foot`, projected; the decrease a corner."""
+        normals = None if outside is None else _corner_normals(foot.points, self.cells, outside)
+        least = float(self.energy.determinants(foot.points, normals).min())
+        epsilon = 0.0 if least > 0.0 else float(np.sqrt(1e-6 + 0.04 * least**2))
+        weights = EnergyWeights(self.options.size, power, epsilon)
+
+        def energy(x: Floats) -> tuple[float, Floats]:
+            value, gradient = self.energy.evaluate(x, normals, weights)
+            return value, self.constraints.tangential(gradient, foot.directions)
+
+        limits = LbfgsOptions(iterations=self.options.steps)
+        new = minimise(energy, foot.points, self.energy.scale, limits)
+        decrease = energy(foot.points)[0] - energy(new)[0]
+        return self.constraints.project(new), decrease / self.energy.corners
+
+    def _state(self, x: Floats) -> State:
+        outside = self._outside(x)
+        return State(x, outside, self._quality(x, outside))
+
+    def _outside(self, x: Floats) -> Floats | None:
+        return None if self.normals is None else self.normals(x)
+
+    def _quality(self, x: Floats, outside: Floats | None) -> Floats:
+        """Worst scaled Jacobian of each cell (c,); that of a quad that faces inward counts as negative."""
+        worst = self.kind.scaled_jacobians(x, self.cells).min(axis=1)
+        if outside is None:
+            return np.asarray(worst)
+        outward = np.einsum("cd,cd->c", quad_normals(x, self.cells), outside) > 0.0
+        return np.asarray(np.where(outward, worst, -np.abs(worst)), np.float64)
+
+
+def _corner_normals(x: Floats, quads: Ints, outside: Floats) -> Floats:
+    """Normal (3, 4 c) at the corners of each quad: its own, or the surface's where it faces inward."""
+    own = quad_normals(x, quads)
+    chosen = np.where(np.einsum("cd,cd->c", own, outside)[:, None] > 0.0, own, outside)
+    return np.ascontiguousarray(np.repeat(chosen, 4, axis=0).T)
+
+
+def quad_normals(x: Floats, quads: Ints) -> Floats:
+    """Unit normal (c,3) of the mean plane of each quad."""
+    P = x[quads]
+    normal = np.cross(P[:, 2] - P[:, 0], P[:, 3] - P[:, 1])
+    return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300))

@@ -1,0 +1,83 @@
+"""Limited-memory BFGS for energies that are infinite outside their domain (Nocedal & Wright, chapter 7.2)."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from neurframe_cli.mesh.arrays import Floats
+
+# energy and gradient at x, both of x's shape; the energy may be inf, the gradient is then not used
+Energy = Callable[[Floats], tuple[float, Floats]]
+SUFFICIENT_DECREASE = 1e-4
+MAX_HALVINGS = 20
+
+
+@dataclass(frozen=True)
+class LbfgsOptions:
+    """iterations at most; memory: pairs kept; tolerance: relative decrease of the energy at which it stops."""
+
+    iterations: int = 30
+    memory: int = 8
+    tolerance: float = 1e-7
+
+
+def minimise(energy: Energy, x: Floats, scale: Floats, options: LbfgsOptions) -> Floats:
+    """Minimiser of `energy` near x (n,3), reached by feasible, decreasing steps.
+
+    scale (n,1) is the inverse of a diagonal guess of the Hessian.  If every gradient lies in a linear subspace (of
+    tangents) and scale does not leave it, all steps do; and the result follows rotations of x.
+    """
+    value, gradient = energy(x)
+    pairs: deque[tuple[Floats, Floats, float]] = deque(maxlen=options.memory)
+    for _ in range(options.iterations):
+        direction = -_inverse_hessian_product(gradient, pairs, scale)
+        found = _line_search(energy, x, value, gradient, direction)
+        if found is None:
+            break
+        new_x, new_value, new_gradient = found
+        step, change = new_x - x, new_gradient - gradient
+        curvature = float(np.vdot(step, change))
+        if curvature > 1e-12 * float(np.vdot(change, scale * change)):
+            pairs.append((step, change, curvature))
+        decrease = value - new_value
+        x, value, gradient = new_x, new_value, new_gradient
+        if decrease <= options.tolerance * abs(value):
+            break
+    return x
+
+
+def _inverse_hessian_product(
+    gradient: Floats, pairs: deque[tuple[Floats, Floats, float]], scale: Floats
+) -> Floats:
+    result = gradient.copy()
+    coefficients = []
+    for step, change, curvature in reversed(pairs):
+        coefficients.append(float(np.vdot(step, result)) / curvature)
+        result -= coefficients[-1] * change
+    result *= scale
+    if pairs:
+        _, change, curvature = pairs[-1]
+        result *= curvature / float(np.vdot(change, scale * change))
+    for (step, change, curvature), coefficient in zip(pairs, reversed(coefficients), strict=True):
+        result += (coefficient - float(np.vdot(change, result)) / curvature) * step
+    return result
+
+
+def _line_search(
+    energy: Energy, x: Floats, value: float, gradient: Floats, direction: Floats
+) -> tuple[Floats, float, Floats] | None:
+    """First of the steps 1, 1/2, 1/4, ... with a sufficient decrease, or None."""
+    slope = float(np.vdot(gradient, direction))
+    if slope >= 0.0:
+        return None
+    t = 1.0
+    for _ in range(MAX_HALVINGS):
+        new_value, new_gradient = energy(x + t * direction)
+        if new_value <= value + SUFFICIENT_DECREASE * t * slope:
+            return x + t * direction, new_value, new_gradient
+        t /= 2
+    return None

@@ -1,0 +1,34 @@
+"""Smoothing and untangling of a hex mesh in the surface that it was made from."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, silent
+from neurframe_cli.mesh.optimize.cell_kind import HEXES
+from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions, smooth_cells
+from neurframe_cli.mesh.quality.check import HEX_FACES
+
+
+def smooth_hexes(
+    V: Floats,
+    H: Ints,
+    surface: Surface,
+    features: Features,
+    options: SmoothOptions,
+    progress: Progress = silent,
+) -> SmoothedMesh:
+    """New positions of the vertices V (n,3) of hexes H (h,8) in VTK order.
+
+    Boundary vertices stay on the surface, those on feature curves on these, those at corners in place; no hex becomes
+    worse than the worst one was, and none that was positive becomes inverted.  The boundary of a void, farther from
+    the surface than half an edge, does not move.
+    """
+    return smooth_cells(V, H, HEXES, boundary_quads(H), surface, features, options, progress)
+
+
+def boundary_quads(H: Ints) -> Ints:
+    """Faces (f,4) of exactly one hex, outward."""
+    faces = H[:, HEX_FACES].reshape(-1, 4)
+    _, first, use = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    return np.asarray(faces[np.sort(first[use == 1])])
