@@ -1,0 +1,45 @@
+"""What the pictures of a field are drawn from, and its way into the process that draws."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from neurframe_cli.mesh.arrays import Floats, Ints, Surface, TetMesh
+
+
+@dataclass(frozen=True)
+class FieldData:
+    """A field on tets and on a surface.
+
+    crosses (m,2,3) on the surface; frames (q,3,3) on the tets, axes as columns; feature_edges (k,2) and
+    singular_edges (s,2): vertex pairs of the tets; quarters (s,) as in SingularEdges.
+    """
+
+    surface: Surface
+    crosses: Floats
+    tets: TetMesh
+    frames: Floats
+    feature_edges: Ints
+    singular_edges: Ints
+    quarters: Ints
+
+    def save(self, path: Path) -> None:
+        """As .npz."""
+        arrays: dict[str, Any] = {
+            name: value for name, value in vars(self).items() if name not in ("surface", "tets")
+        }
+        arrays |= {"V": self.surface.V, "F": self.surface.F, "tet_V": self.tets.V, "T": self.tets.T}
+        np.savez(path, **arrays)
+
+    @staticmethod
+    def load(path: Path) -> FieldData:
+        """What `save` wrote; nothing is unpickled."""
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = dict(stored)
+        surface = Surface(arrays.pop("V"), arrays.pop("F"))
+        tets = TetMesh(arrays.pop("tet_V"), arrays.pop("T"))
+        return FieldData(surface=surface, tets=tets, **arrays)
