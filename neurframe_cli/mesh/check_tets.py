@@ -10,6 +10,9 @@ from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Floats, Ints, TetMesh, as_tets
 from neurframe_cli.mesh.tet_adjacency import TET_FACES, tet_adjacency
 
+# the third powers of lengths, and their sums, stay in the range of float64
+LARGEST_COORDINATE = 1e90
+
 
 def tet_volumes(V: Floats, T: Ints) -> Floats:
     """(m,) signed volumes, positive for det(v1-v0, v2-v0, v3-v0) > 0."""
@@ -18,11 +21,13 @@ def tet_volumes(V: Floats, T: Ints) -> Floats:
 
 
 def check_indices(V: Floats, cells: Ints, name: str | Path, kind: str) -> None:
-    """Raises InvalidMesh for a vertex that is not finite or does not exist, or that a cell names twice."""
-    unfinite = ~np.isfinite(V).all(axis=1)
-    if unfinite.any():
-        first = int(np.flatnonzero(unfinite)[0])
-        raise InvalidMesh(f"{name}: vertex {first} is {V[first].tolist()}, finite coordinates are allowed")
+    """Raises InvalidMesh for a vertex that is not finite, and for a cell with a vertex that does not exist."""
+    unfit = ~(np.abs(V) < LARGEST_COORDINATE).all(axis=1)
+    if unfit.any():
+        first = int(np.flatnonzero(unfit)[0])
+        raise InvalidMesh(
+            f"{name}: vertex {first} is {V[first].tolist()}, finite numbers below {LARGEST_COORDINATE:g} are allowed"
+        )
     outside = ((cells < 0) | (cells >= len(V))).any(axis=1)
     if outside.any():
         first = int(np.flatnonzero(outside)[0])

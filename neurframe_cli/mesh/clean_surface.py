@@ -17,7 +17,7 @@ from neurframe_cli.mesh.weld import weld
 # text formats round to six digits: corners that are one point may differ by this much of the diagonal
 ROUNDING = 1e-6
 # below this the squares and cubes of lengths underflow
-SMALLEST_DIAGONAL, LARGEST_DIAGONAL = 1e-90, 1e90
+SMALLEST_DIAGONAL = 1e-90
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def _refuse_unusable(surface: Surface, name: str | Path) -> None:
         raise InvalidMesh(f"{name}: the surface has no triangles")
     check_indices(surface.V, surface.F, name, "triangle")
     diagonal = float(np.linalg.norm(np.ptp(surface.V[surface.F.ravel()], axis=0)))
-    if not SMALLEST_DIAGONAL < diagonal < LARGEST_DIAGONAL:
+    if diagonal < SMALLEST_DIAGONAL:
         raise InvalidMesh(f"{name}: the bounding box has the diagonal {diagonal:g}, no surface to work on")
 
 

@@ -13,7 +13,7 @@ from neurframe_cli.mesh.open_file import quiet
 
 SURFACE_EXTENSIONS = (".ply", ".stl", ".obj", ".off", ".vtk", ".vtu")
 TET_EXTENSIONS = (".mesh", ".vtk", ".vtu", ".msh")
-MESHIO_NAMES = {".vtk": "vtk", ".vtu": "vtu", ".msh": "gmsh"}
+MESHIO_NAMES = {".vtk": "vtk", ".vtu": "vtu", ".msh": "gmsh22"}
 
 
 def write_surface(path: Path, surface: Surface) -> None:
