@@ -38,6 +38,12 @@ class Json {
     return members.emplace_back(std::string(key), Json()).second;
   }
 
+  // The value of an integer, `fallback` for anything else.
+  std::int64_t integer_or(std::int64_t fallback) const {
+    const std::int64_t* integer = std::get_if<std::int64_t>(&value_);
+    return integer != nullptr ? *integer : fallback;
+  }
+
   // One line of JSON; numbers that JSON cannot hold (nan, inf) become null.
   std::string dump() const {
     std::string text;

@@ -119,16 +119,30 @@ static void test_atomic_writer() {
 static void test_hex_writers() {
   const HexMesh cube{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}},
                      {{0, 1, 2, 3, 4, 5, 6, 7}}};
-  TextWriter medit(scratch_path("cube.mesh"));
-  write_hex_medit(medit, cube);
-  medit.commit();
+  write_hex_mesh(scratch_path("cube.mesh"), cube);
   CHECK(read_file(scratch_path("cube.mesh")).find("Hexahedra\n1\n1 2 3 4 5 6 7 8 0\nEnd") !=
         std::string::npos);
-  TextWriter vtk(scratch_path("cube.vtk"));
-  write_hex_vtk(vtk, cube);
-  vtk.commit();
+  write_hex_mesh(scratch_path("cube.vtk"), cube);
   CHECK(read_file(scratch_path("cube.vtk")).find("CELLS 1 9\n8 0 1 2 3 4 5 6 7\nCELL_TYPES 1\n12") !=
         std::string::npos);
+  CHECK_THROWS(write_hex_mesh(scratch_path("cube.xyz"), cube), InputError, "unknown format");
+}
+
+// Two hexes that share the face 4 5 6 7: 20 edges, 11 faces, and the second hex sees the shared one from
+// behind.
+static void test_ovm() {
+  HexMesh column;
+  for (int z = 0; z < 3; ++z) {
+    for (const auto& [x, y] : {std::pair(0.0, 0.0), {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}}) {
+      column.V.push_back({x, y, static_cast<double>(z)});
+    }
+  }
+  column.H = {{0, 1, 2, 3, 4, 5, 6, 7}, {4, 5, 6, 7, 8, 9, 10, 11}};
+  const detail::HexSkeleton skeleton = detail::hex_skeleton(column);
+  CHECK(skeleton.edges.size() == 20 && skeleton.faces.size() == 11);
+  CHECK(skeleton.cells[0][1] == 2 && skeleton.cells[1][0] == 3);
+  write_hex_mesh(scratch_path("column.ovm"), column);
+  CHECK(read_file(scratch_path("column.ovm")).starts_with("OVM ASCII\nVertices\n12\n0 0 0\n"));
 }
 
 int main() {
@@ -139,6 +153,7 @@ int main() {
   test_tets_and_frames();
   test_atomic_writer();
   test_hex_writers();
+  test_ovm();
   std::filesystem::remove_all(std::filesystem::path(scratch_path("x")).parent_path());
   return test_result();
 }
