@@ -9,6 +9,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 
+# visits to every tet in a distillation
+EPOCHS = 40
+
+
 @dataclass(frozen=True)
 class Round:
     """Steps under one learning-rate schedule and a fresh optimizer.
@@ -73,8 +77,9 @@ class FastRecipe:
         return Round("loss", "muon", steps, self.refine_rate, warm_up=0.1, cosine=True)
 
     def _is_close(self, loss: float) -> bool:
-        """Within goal of the floor, or below what matters where the floor is zero (a box)."""
-        return loss <= (1.0 + self.goal) * self.floor + 1e-5 * self.constant
+        """Within goal of the floor; where the floor is zero (a box), far below anything visible."""
+        has_floor = self.floor > 1e-6 * self.constant
+        return loss <= ((1.0 + self.goal) * self.floor if has_floor else 1e-5 * self.constant)
 
 
 def distillation_round(tets: int, steps: int | None, fraction: float | None, rate: float | None) -> Round:
@@ -82,6 +87,3 @@ def distillation_round(tets: int, steps: int | None, fraction: float | None, rat
     steps = steps or round(min(max(400.0 * (tets / 8000.0) ** 0.25, 300.0), 1000.0))
     batch = round(fraction * tets) if fraction else min(max(512, round(EPOCHS * tets / steps)), tets)
     return Round("distill", "muon", steps, rate or 4e-4, warm_up=0.03, cosine=True, batch=max(batch, 1))
-
-
-EPOCHS = 40
