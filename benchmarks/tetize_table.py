@@ -67,6 +67,7 @@ def _one(file: Path, options: argparse.Namespace) -> dict[str, Any]:
             }
         row |= {"code": result.returncode, "outcome": OUTCOMES.get(result.returncode, "unknown")}
         row |= {"seconds": round(result.seconds, 1), "peak_mib": round(result.peak_mib)}
+        row["cpu_seconds"] = round(result.cpu_seconds, 1)
         row["words"] = " ".join(line.strip() for line in result.last_lines)[-400:]
         row |= _judge(result.returncode, row["words"], workspace)
     return row
@@ -118,7 +119,7 @@ def _from_manifest(path: Path) -> dict[str, Any]:
 
 def _markdown(rows: list[dict[str, Any]]) -> str:
     """The table, and a line that counts the outcomes."""
-    columns = ("file", "outcome", "code", "tets", "seconds", "quality_min", "words", "defect")
+    columns = ("file", "outcome", "code", "tets", "seconds", "cpu_seconds", "quality_min", "words", "defect")
     lines = ["| " + " | ".join(columns) + " |", "|" + "---|" * len(columns)]
     for row in sorted(rows, key=lambda row: str(row["file"])):
         cells = [str(row.get(column, "")).replace("|", "\\|")[-160:] for column in columns]

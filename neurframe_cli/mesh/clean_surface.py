@@ -11,6 +11,7 @@ from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Floats, Ints, Surface, as_surface
 from neurframe_cli.mesh.check_tets import check_indices
 from neurframe_cli.mesh.orient_surface import orient
+from neurframe_cli.mesh.self_intersections import self_intersections
 from neurframe_cli.mesh.surface_edges import surface_edges
 from neurframe_cli.mesh.weld import weld
 
@@ -26,7 +27,8 @@ class CleaningReport:
 
     welded: vertices that fell together or were unused; degenerate, duplicate: triangles dropped; turned: triangles
     turned round; open_edges, nonmanifold_edges: edges with one triangle, with three or more; components: parts
-    connected over vertices; euler: V - E + F; genus: sum over the parts of a closed manifold surface, None otherwise.
+    connected over vertices; euler: V - E + F; genus: sum over the parts of a closed manifold surface, None otherwise;
+    self_intersections: pairs of triangles that meet without a common vertex.
     """
 
     welded: int
@@ -38,10 +40,16 @@ class CleaningReport:
     components: int
     euler: int
     genus: int | None
+    self_intersections: int
 
     @property
     def closed(self) -> bool:
         return self.open_edges == 0
+
+    @property
+    def bounds_a_solid(self) -> bool:
+        """Closed, manifold and nowhere through itself: inside and outside are beyond doubt."""
+        return self.genus is not None and self.self_intersections == 0
 
 
 def clean_surface(surface: Surface, name: str | Path = "surface") -> tuple[Surface, CleaningReport]:
@@ -107,4 +115,6 @@ def _report(V: Floats, F: Ints, counts: tuple[int, int, int, int]) -> CleaningRe
     open_edges, nonmanifold = int((edges.face_count == 1).sum()), int((edges.face_count > 2).sum())
     manifold = open_edges == 0 and nonmanifold == 0 and bool(igl.is_vertex_manifold(F).all())
     genus = components - euler // 2 if manifold else None
-    return CleaningReport(*counts, open_edges, nonmanifold, components, euler, genus)
+    return CleaningReport(
+        *counts, open_edges, nonmanifold, components, euler, genus, self_intersections(V, F)
+    )

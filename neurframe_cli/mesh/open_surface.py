@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 from neurframe_cli.errors import InvalidMesh
@@ -32,12 +34,12 @@ def hole_share(V: Floats, F: Ints) -> float:
     return lid_area / (lid_area + float(areas.sum()))
 
 
-def refuse_large_holes(surface: Surface) -> list[str]:
+def refuse_large_holes(surface: Surface, name: str | Path = "surface") -> list[str]:
     """Raises InvalidMesh for a surface that is too open to have an inside; a warning for one that is a bit open."""
     share = hole_share(surface.V, surface.F)
     if share > LARGEST_HOLE_SHARE:
         raise InvalidMesh(
-            f"the surface is open: lids over its holes would be {share:.0%} of it, at most "
+            f"{name}: the surface is open: lids over its holes would be {share:.0%} of it, at most "
             f"{LARGEST_HOLE_SHARE:.0%} can be filled",
             hint="close the holes, or give the sheet a thickness",
         )

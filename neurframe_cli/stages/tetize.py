@@ -80,27 +80,34 @@ def tetize(
     options: TetizeOptions,
     progress: Progress,
     scratch_dir: Path,
+    *,
+    name: str | Path = "the model",
 ) -> TetizeResult:
     """A tet mesh of positive volumes and manifold boundary that fills `model`.
 
     A surface is cleaned and filled by fTetWild (Hu et al., "Fast tetrahedral meshing in the wild", SIGGRAPH 2020)
-    in a child process, whose files go to `scratch_dir`; a tet mesh is checked and passed through.  Raises InvalidMesh,
-    StageError (ChildCrashed, ChildOutOfMemory among them), TimedOut.
+    in a child process, whose files go to `scratch_dir`; a tet mesh is checked and passed through.
+    `name` stands for the model in messages.  Raises InvalidMesh, StageError (ChildCrashed, ChildOutOfMemory among them), TimedOut.
     """
     started = time.monotonic()
     if isinstance(model, Surface):
-        return _from_surface(model, options, progress, scratch_dir, started)
-    return _from_tets(*model, options, started)
+        progress(0.0, "cleaning the surface")
+        surface, report = clean_surface(model, name)
+        warnings = _cleaning_warnings(report) + refuse_large_holes(surface, name)
+        return _filled(surface, report, warnings, options, progress, scratch_dir, started)
+    return _passed_through(*model, options, started, name)
 
 
-def _from_surface(
-    model: Surface, options: TetizeOptions, progress: Progress, scratch_dir: Path, started: float
+def _filled(
+    surface: Surface,
+    report: CleaningReport,
+    warnings: list[str],
+    options: TetizeOptions,
+    progress: Progress,
+    scratch_dir: Path,
+    started: float,
 ) -> TetizeResult:
-    progress(0.0, "cleaning the surface")
-    surface, report = clean_surface(model)
-    warnings = _cleaning_warnings(report) + refuse_large_holes(surface)
     found = first_success(surface, report, options, progress, scratch_dir)
-    warnings += found.warnings
     tets, _, divided = _divide(found.tets, np.zeros((0, 2), np.int64), options)
     features, feature_warnings = _features(tets, options)
     progress(1.0, "tets done")
@@ -109,7 +116,7 @@ def _from_surface(
         tets=tets,
         features=features,
         seeded=found.seeded,
-        warnings=tuple(warnings + feature_warnings),
+        warnings=tuple(warnings + found.warnings + feature_warnings),
         seconds=time.monotonic() - started,
         attempts=found.attempts,
         divided=divided,
@@ -119,16 +126,18 @@ def _from_surface(
     )
 
 
-def _from_tets(mesh: TetMesh, features: Features, options: TetizeOptions, started: float) -> TetizeResult:
+def _passed_through(
+    mesh: TetMesh, features: Features, options: TetizeOptions, started: float, name: str | Path
+) -> TetizeResult:
     """Checks and divides; the file's features win over the angle, given segments over both."""
     warnings = []
-    checked, new_number = checked_tets(mesh.V, mesh.T)
+    checked, new_number = checked_tets(mesh.V, mesh.T, name)
     edges = new_number[features.edges]
     repaired, report = make_boundary_manifold(checked)
     if report.halved_edges or report.copied_vertices:
         if len(edges):
             raise InvalidMesh(
-                f"the boundary of the tet mesh is not manifold ({report.halved_edges} edges, "
+                f"{name}: the boundary of the tet mesh is not manifold ({report.halved_edges} edges, "
                 f"{report.copied_vertices} vertices), and feature edges run over it",
                 hint="take the parts apart where they touch, or drop the features from the file",
             )
@@ -180,6 +189,7 @@ def _cleaning_warnings(report: CleaningReport) -> list[str]:
         "triangles turned round": report.turned,
         "open edges": report.open_edges,
         "non-manifold edges": report.nonmanifold_edges,
+        "pairs of triangles that cross or touch": report.self_intersections,
     }
     return [f"input: {count} {what}" for what, count in found.items() if count]
 

@@ -91,15 +91,17 @@ def settings_after(first: TetwildSettings, last: TetwildSettings, error: Excepti
     """What to try after `last` failed with `error`, None where nothing is left.
 
     Too slow or too large: twice the edge length, up to four times the first.  Anything else: without fTetWild's
-    simplification of the input, then with twice the envelope, then coarser as well.
+    simplification of the input, then (unless it returned nothing) with twice the envelope, then coarser as well.
     """
     doubled = 2 * last.edge_length_fac
     coarser = replace(last, edge_length_fac=doubled, simplify=True)
     coarse_enough = doubled > min(COARSEST, 4 * first.edge_length_fac)
     if isinstance(error, TimedOut | ChildOutOfMemory):
         return None if coarse_enough else coarser
-    if last.simplify:
+    if last == first:
         return replace(last, simplify=False)
+    if isinstance(error, EmptyResultError):
+        return None
     if last.epsilon == first.epsilon:
         return replace(last, epsilon=2 * first.epsilon, simplify=True)
     return None if coarse_enough else coarser
