@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-
 # visits to every tet in a distillation
 EPOCHS = 40
 
@@ -66,12 +65,12 @@ class FastRecipe:
     goal: float = 0.01
     refine_steps: int = 10
     refine_rate: float = 1e-4
-    rounds: int = 5
+    refinements: int = 4
 
     def next_round(self, losses: list[float]) -> Round | None:
         if not losses:
             return self.distill
-        if len(losses) >= self.rounds or self._is_close(losses[-1]):
+        if len(losses) > self.refinements or self._is_close(losses[-1]):
             return None
         steps = self.refine_steps * 2 ** (len(losses) - 1)
         return Round("loss", "muon", steps, self.refine_rate, warm_up=0.1, cosine=True)
@@ -84,6 +83,6 @@ class FastRecipe:
 
 def distillation_round(tets: int, steps: int | None, fraction: float | None, rate: float | None) -> Round:
     """Steps that grow slowly with the mesh, in batches that visit every tet about 40 times."""
-    steps = steps or round(min(max(400.0 * (tets / 8000.0) ** 0.25, 300.0), 1000.0))
+    steps = steps or round(min(max(400.0 * (tets / 8000.0) ** 0.3, 200.0), 1000.0))
     batch = round(fraction * tets) if fraction else min(max(512, round(EPOCHS * tets / steps)), tets)
     return Round("distill", "muon", steps, rate or 4e-4, warm_up=0.03, cosine=True, batch=max(batch, 1))

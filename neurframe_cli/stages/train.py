@@ -30,15 +30,16 @@ class TrainOptions:
 
     preset: "fast" (discrete solution, distilled and refined) or "paper" (Adam on the loss); method: "neural" or
     "discrete" (no network); iterations: of the distillation or of Adam; batch_fraction: share of the tets or of the
-    loss's terms per step; time_budget_s: wall seconds; device: auto | cpu | cuda; precision: auto | fp32 | tf32 |
-    bf16; project: pull the discrete solution to true frames; threads: of PyTorch, on the CPU; log_every: steps;
-    checkpoint_every_s: seconds.
+    loss's terms per step; refinements: most rounds on the true loss after the distillation; time_budget_s: wall
+    seconds; device: auto | cpu | cuda; precision: auto | fp32 | tf32 | bf16; project: pull the discrete solution to
+    true frames; threads: of PyTorch, on the CPU; log_every: steps; checkpoint_every_s: seconds.
     """
 
     preset: str = "fast"
     method: str = "neural"
     iterations: int | None = None
     batch_fraction: float | None = None
+    refinements: int = 4
     learning_rate: float | None = None
     time_budget_s: float | None = None
     lambda_smooth: float = 1.0
@@ -188,7 +189,8 @@ class _Session:
             len(self.terms.points), options.iterations, options.batch_fraction, options.learning_rate
         )
         zero = np.zeros((len(self.terms.points), 9))
-        return recipe.FastRecipe(state.floor, self.terms.losses(zero).total, first)
+        constant = self.terms.losses(zero).total
+        return recipe.FastRecipe(state.floor, constant, first, refinements=options.refinements)
 
     def _key(self) -> str:
         """Digest of all that determines the weights: inputs, options, device, threads and version of PyTorch."""
