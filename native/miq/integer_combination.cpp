@@ -66,8 +66,8 @@ bool IntegerEquations::impose(const IntegerCombination& unresolved) {
   for (auto& entry : row.terms) entry.second /= divisor;
   row.constant /= divisor;
   const auto unit =
-      std::find_if(row.terms.rbegin(), row.terms.rend(), [](const auto& e) { return std::abs(e.second) == 1; });
-  if (unit == row.terms.rend()) return impose_by_euclid(std::move(row));
+      std::find_if(row.terms.begin(), row.terms.end(), [](const auto& e) { return std::abs(e.second) == 1; });
+  if (unit == row.terms.end()) return impose_by_euclid(std::move(row));
   const auto [pivot, coefficient] = *unit;
   eliminate(pivot, sum(symbol(pivot), row, -coefficient));
   return true;

@@ -119,37 +119,35 @@ void MapSystem::assemble_gradient(const std::vector<Vector6>& gradients) {
   }
 }
 
-Eigen::VectorXd PoissonSystem::real_given(const Eigen::VectorXd& integer) const {
-  return real_factor->solve(real_right - real_integer * integer);
+Eigen::VectorXd PoissonSystem::real_response(const Eigen::VectorXd& integer_change) const {
+  return -real_factor->solve(Eigen::VectorXd(real_integer * integer_change));
 }
 
-PoissonSystem poisson_system(const ReducedVariables& variables, const TriangleShapes& shapes) {
+PoissonSystem poisson_system(const ReducedVariables& variables, MapSystem& full, const TriangleShapes& shapes,
+                             const std::vector<double>& stiffness) {
   const auto count = shapes.weight.size();
-  MapSystem system(variables, static_cast<int>(count), true);
   std::vector<Eigen::Matrix<double, 6, 6>> hessians(count);
-  std::vector<Vector6> gradients(count);
-  const Eigen::Vector4d identity(1, 0, 0, 1);
   for (size_t f = 0; f < count; ++f) {
-    hessians[f] = shapes.weight[f] * shapes.jacobian[f].transpose() * shapes.jacobian[f];
-    gradients[f] = shapes.weight[f] * shapes.jacobian[f].transpose() * identity;
+    hessians[f] = stiffness[f] * shapes.weight[f] * shapes.jacobian[f].transpose() * shapes.jacobian[f];
   }
-  system.assemble(hessians, gradients);
+  full.assemble(hessians, std::vector<Vector6>(count, Vector6::Zero()));
   const int n = variables.real_count;
   const int k = variables.integer_count;
-  const SparseMatrix mixed = system.matrix().bottomLeftCorner(k, n);
+  const SparseMatrix mixed = full.matrix().bottomLeftCorner(k, n);
   PoissonSystem out;
   out.real_integer = mixed.transpose();
-  out.real_right = system.gradient().head(n);
-  out.real_factor->compute(SparseMatrix(system.matrix().topLeftCorner(n, n)));
+  out.real_factor->compute(SparseMatrix(full.matrix().topLeftCorner(n, n)));
   if (out.real_factor->info() != Eigen::Success) {
     throw StageError("the Poisson system of the map is singular: does the mesh have triangles without area?");
   }
-  const Eigen::MatrixXd response = out.real_factor->solve(Eigen::MatrixXd(out.real_integer));
-  const Eigen::MatrixXd lower = Eigen::MatrixXd(system.matrix().bottomRightCorner(k, k));
-  out.schur = Eigen::MatrixXd(lower.selfadjointView<Eigen::Lower>()) - mixed * response;
+  const Eigen::MatrixXd lower = Eigen::MatrixXd(full.matrix().bottomRightCorner(k, k));
+  out.schur = lower.selfadjointView<Eigen::Lower>();
+  // one column at a time: a block of right-hand sides strides through memory and takes three times as long
+  for (int j = 0; j < k; ++j) {
+    const Eigen::VectorXd response = out.real_factor->solve(Eigen::VectorXd(out.real_integer.col(j)));
+    out.schur.col(j) -= mixed * response;
+  }
   out.schur = (out.schur + out.schur.transpose().eval()) / 2;
-  const Eigen::VectorXd right = system.gradient().tail(k) - response.transpose() * out.real_right;
-  out.integer_optimum = k == 0 ? Eigen::VectorXd() : Eigen::VectorXd(out.schur.ldlt().solve(right));
   return out;
 }
 

@@ -59,17 +59,15 @@ class MapSystem {
   std::vector<size_t> first_entry_;  // per triangle
 };
 
-// The weighted least-squares map: sum of weight * |J - I|^2 over all triangles, as a quadratic form that is split
-// into real and integer variables.
+// The quadratic form sum of stiffness * weight * |J|^2 over all triangles, split into real and integer variables.
 struct PoissonSystem {
   std::unique_ptr<SparseFactor> real_factor = std::make_unique<SparseFactor>();
   SparseMatrix real_integer;         // mixed block
   Eigen::MatrixXd schur;             // integer variables after elimination of the real ones
-  Eigen::VectorXd real_right;        // right-hand side at integers zero
-  Eigen::VectorXd integer_optimum;   // real minimiser in the integer variables
-
-  Eigen::VectorXd real_given(const Eigen::VectorXd& integer) const;
+  // change of the real variables that follows a change of the integers
+  Eigen::VectorXd real_response(const Eigen::VectorXd& integer_change) const;
 };
-PoissonSystem poisson_system(const ReducedVariables& variables, const TriangleShapes& shapes);
+PoissonSystem poisson_system(const ReducedVariables& variables, MapSystem& full, const TriangleShapes& shapes,
+                             const std::vector<double>& stiffness);
 
 }  // namespace neurframe

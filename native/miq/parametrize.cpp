@@ -13,6 +13,7 @@
 #include "miq/matching.hpp"
 #include "miq/quantization.hpp"
 #include "miq/separation.hpp"
+#include "miq/stiffening.hpp"
 #include "miq/untangle.hpp"
 
 namespace neurframe {
@@ -102,6 +103,8 @@ Problem prepare_problem(CrossSurface surface, const ParametrizeOptions& options,
     if (surface.is_feature(h)) critical[static_cast<size_t>(surface.from(h))] = critical[static_cast<size_t>(surface.to(h))] = 1;
   }
   statistics["splits"]["critical"] = split_between_critical(surface, critical);
+  problem.singular = singular_vertices(surface, measure_sectors(surface));
+  statistics["splits"]["singular_stars"] = refine_singular_stars(surface, problem.singular);
   problem.sectors = measure_sectors(surface);
   problem.singular = singular_vertices(surface, problem.sectors);
   const std::vector<char> crossed = comb(surface);
@@ -112,6 +115,8 @@ Problem prepare_problem(CrossSurface surface, const ParametrizeOptions& options,
   statistics["seam_branches"] = problem.graph.branches.size();
   statistics["real_variables"] = problem.variables.real_count;
   statistics["integer_variables"] = problem.variables.integer_count;
+  size_t nnz=0; for (auto& c: problem.variables.coordinates) nnz+=c.integers.size();
+  std::fprintf(stderr,"integer terms %zu of %zu coordinates\n", nnz, problem.variables.coordinates.size());
   return problem;
 }
 
@@ -121,6 +126,21 @@ Json untangle_json(const UntangleResult& result) {
   json["folds_before"] = result.folds_before;
   json["folds_after"] = result.folds_after;
   return json;
+}
+
+FixedPointMap sample(const Problem& problem, const MapSystem& system, const Eigen::VectorXd& real, const Eigen::VectorXd& integer) {
+  FixedPointMap map;
+  map.fraction_bits = 24;
+  for (int f = 0; f < problem.surface.triangle_count(); ++f) {
+    const Vector6 x = system.corner_parameters(f, real, integer);
+    for (int i = 0; i < 6; i += 2) map.corners.push_back({to_fixed(x[i], 24), to_fixed(x[i + 1], 24)});
+  }
+  return map;
+}
+void diagnose(const char* name, const Problem& problem, const MapSystem& system, const Eigen::VectorXd& real, const Eigen::VectorXd& integer) {
+  const MapCheck check = check_map(problem.surface, problem.sectors, sample(problem, system, real, integer));
+  std::fprintf(stderr, "%s: folded %zu overwound %zu\n", name, check.folded.size(), check.overwound.size());
+  for (int v : check.overwound) for (const Sector& s : problem.sectors) if (s.vertex == v) std::fprintf(stderr, "  v %d at %g %g %g closed %d expected %d\n", v, problem.surface.at(v)[0],problem.surface.at(v)[1],problem.surface.at(v)[2], s.closed, s.quarter_turns);
 }
 
 double parametric_area(const Problem& problem, const MapSystem& system, const Eigen::VectorXd& real, const Eigen::VectorXd& integer) {
@@ -136,13 +156,18 @@ double parametric_area(const Problem& problem, const MapSystem& system, const Ei
 struct Seamless {
   TriangleShapes shapes;
   PoissonSystem poisson;
+  std::vector<double> stiffness;
   Eigen::VectorXd real, integer;
+
+  // the real variables after the least deformation that takes the integers to whole numbers
+  Eigen::VectorXd moved_to(const Eigen::VectorXd& whole) const {
+    return real + poisson.real_response(whole - integer);
+  }
 
   // to edge length times factor
   void rescale(double factor) {
     for (Matrix46& jacobian : shapes.jacobian) jacobian *= factor;
     for (double& weight : shapes.weight) weight /= factor * factor;
-    poisson.real_right /= factor;
     real /= factor;
     integer /= factor;
   }
@@ -168,7 +193,7 @@ Quantization quantize_to_target(const Problem& problem, const MapSystem& system,
   for (int round = 1;; ++round) {
     Quantization quantization = quantize_at_scale(problem, system, seamless, options, statistics);
     if (options.target_faces <= 0 || round == kMostRounds) return quantization;
-    const Eigen::VectorXd real = seamless.poisson.real_given(quantization.values);
+    const Eigen::VectorXd real = seamless.moved_to(quantization.values);
     const double ratio = parametric_area(problem, system, real, quantization.values) / options.target_faces;
     statistics["quantization"]["rounds"] = round;
     if (!(ratio > 0) || std::abs(ratio - 1) < 0.02) return quantization;
@@ -187,31 +212,49 @@ Parametrization parametrize(const TriangleMesh& mesh, const std::vector<std::arr
   const Problem problem = prepare_problem(std::move(surface), options, edge_length, statistics);
   clock.finish("preparation", 0.2);
 
-  Seamless seamless;
-  seamless.shapes = triangle_shapes(problem.surface, edge_length);
-  seamless.poisson = poisson_system(problem.variables, seamless.shapes);
-  seamless.integer = seamless.poisson.integer_optimum;
-  seamless.real = seamless.poisson.real_given(seamless.integer);
-  clock.finish("poisson", 0.4);
-
   const int count = problem.surface.triangle_count();
   MapSystem free_system(problem.variables, count, true);
-  if (!folded_triangles(free_system, seamless.shapes, seamless.real, seamless.integer).empty()) {
+  Seamless seamless;
+  seamless.shapes = triangle_shapes(problem.surface, edge_length);
+  seamless.stiffness.assign(problem.surface.triangles.size(), 1.0);
+  seamless.real.setZero(problem.variables.real_count);
+  seamless.integer.setZero(problem.variables.integer_count);
+  const StiffeningResult stiffening =
+      solve_with_stiffening(free_system, problem.surface, seamless.shapes, options.stiffening_rounds,
+                            seamless.stiffness, seamless.real, seamless.integer);
+  statistics["seamless"]["stiffening_rounds"] = stiffening.rounds;
+  statistics["seamless"]["folds_poisson"] = stiffening.folds_before;
+  statistics["seamless"]["folds_stiffened"] = stiffening.folds_after;
+  clock.finish("poisson", 0.4);
+  diagnose("poisson", problem, free_system, seamless.real, seamless.integer);
+
+  if (stiffening.folds_before > 0) {
     UntangleOptions untangle_options;
-    untangle_options.polish = 0;
-    statistics["seamless"] =
+    untangle_options.polish = options.seamless_polish;
+    statistics["seamless"]["untangling"] =
         untangle_json(untangle(free_system, seamless.shapes, untangle_options, seamless.real, seamless.integer));
   }
   clock.finish("seamless_untangling", 0.6);
+  diagnose("seamless", problem, free_system, seamless.real, seamless.integer);
 
+  seamless.poisson = poisson_system(problem.variables, free_system, seamless.shapes, seamless.stiffness);
   const Quantization quantization = quantize_to_target(problem, free_system, seamless, options, statistics);
   clock.finish("quantization", 0.75);
 
   MapSystem system(problem.variables, count, false);
   Eigen::VectorXd integer = quantization.values;
-  Eigen::VectorXd real = seamless.poisson.real_given(integer);
+  Eigen::VectorXd real = seamless.moved_to(integer);
+  diagnose("rounded", problem, system, real, integer);
   statistics["integer_grid"] = untangle_json(untangle(system, seamless.shapes, UntangleOptions{}, real, integer));
   clock.finish("untangling", 0.9);
+  for (int f : folded_triangles(system, seamless.shapes, real, integer)) {
+    const Vector6 x = system.corner_parameters(f, real, integer);
+    const Vector6 y = free_system.corner_parameters(f, seamless.real, seamless.integer);
+    std::fprintf(stderr, "fold %d (src %d)\n", f, problem.surface.source[size_t(f)]);
+    for (int i = 0; i < 3; ++i) { const int h=3*f+i; const int v=problem.surface.from(h);
+      std::fprintf(stderr, "   v %d sing %d feat %d len/h %.2f  seamless %.3f %.3f -> %.3f %.3f\n", v, problem.singular[size_t(v)], problem.surface.is_feature(h), problem.surface.along(h).norm()/edge_length, y[2*i],y[2*i+1],x[2*i],x[2*i+1]); }
+  }
+  diagnose("igm", problem, system, real, integer);
 
   const FixedPointMap fixed = fixed_point_map(problem.variables, real, integer);
   Parametrization out{quad_map(problem.surface, problem.variables, problem.graph, fixed, integer),

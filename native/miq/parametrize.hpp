@@ -17,6 +17,8 @@ struct ParametrizeOptions {
   int target_faces = 0;           // if positive, overrides edge_length
   double longest_edge = 3;        // triangles with longer edges (in target edge lengths) are split
   double separation_reach = 1.5;  // cells around critical vertices in which they are kept apart
+  int stiffening_rounds = 10;
+  int seamless_polish = 4;        // Newton steps on a seamless map that had to be stiffened
   FeatureOptions features;
 };
 

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <set>
 
+#include "miq/matching.hpp"
+
 namespace neurframe {
 namespace {
 
@@ -82,28 +84,34 @@ void split_at_centroid(CrossSurface& surface, int f) {
   append(surface, f, {{c, a, middle}, {whole.feature[2], 0, 0}, {whole.matching[2], 0, 0}});
 }
 
-// Splits, longest first, edges that pass `wanted`, in rounds in which no triangle is touched twice.
+// Splits, longest first, edges that pass `wanted` (asked of the larger half-edge), none of whose triangles has been
+// touched before.
 template <class Wanted>
-int split_edges(CrossSurface& surface, const Wanted& wanted) {
-  int splits = 0;
-  while (true) {
-    std::vector<std::pair<double, int>> edges;
-    for (int h = 0; h < surface.half_edge_count(); ++h) {
-      if (h > surface.twin(h) && wanted(h)) edges.emplace_back(-surface.along(h).norm(), h);
-    }
-    if (edges.empty()) return splits;
-    std::sort(edges.begin(), edges.end());
-    std::vector<char> touched(surface.triangles.size(), 0);
-    for (const auto& [order, h] : edges) {
-      const int o = surface.twin(h);
-      if (touched[static_cast<size_t>(h / 3)] || (o >= 0 && touched[static_cast<size_t>(o / 3)])) continue;
-      touched[static_cast<size_t>(h / 3)] = 1;
-      if (o >= 0) touched[static_cast<size_t>(o / 3)] = 1;
-      split_edge(surface, h);
-      ++splits;
-    }
-    pair_half_edges(surface);
+int split_independent_edges(CrossSurface& surface, const Wanted& wanted) {
+  std::vector<std::pair<double, int>> edges;
+  for (int h = 0; h < surface.half_edge_count(); ++h) {
+    if (h > surface.twin(h) && wanted(h)) edges.emplace_back(-surface.along(h).norm(), h);
   }
+  std::sort(edges.begin(), edges.end());
+  int splits = 0;
+  std::vector<char> touched(surface.triangles.size(), 0);
+  for (const auto& [order, h] : edges) {
+    const int o = surface.twin(h);
+    if (touched[static_cast<size_t>(h / 3)] || (o >= 0 && touched[static_cast<size_t>(o / 3)])) continue;
+    touched[static_cast<size_t>(h / 3)] = 1;
+    if (o >= 0) touched[static_cast<size_t>(o / 3)] = 1;
+    split_edge(surface, h);
+    ++splits;
+  }
+  pair_half_edges(surface);
+  return splits;
+}
+
+template <class Wanted>
+int split_all_edges(CrossSurface& surface, const Wanted& wanted) {
+  int total = 0;
+  while (const int splits = split_independent_edges(surface, wanted)) total += splits;
+  return total;
 }
 
 std::vector<char> feature_vertices(const CrossSurface& surface) {
@@ -162,7 +170,7 @@ void mark_features(CrossSurface& surface, const FeatureOptions& options) {
 }
 
 int split_long_edges(CrossSurface& surface, double longest) {
-  return split_edges(surface, [&](int h) { return surface.along(h).norm() > longest; });
+  return split_all_edges(surface, [&](int h) { return surface.along(h).norm() > longest; });
 }
 
 int split_around_features(CrossSurface& surface) {
@@ -179,11 +187,32 @@ int split_around_features(CrossSurface& surface) {
 }
 
 int split_between_critical(CrossSurface& surface, std::vector<char>& critical) {
-  return split_edges(surface, [&](int h) {
+  return split_all_edges(surface, [&](int h) {
     critical.resize(surface.positions.size(), 0);
     return !surface.is_feature(h) && critical[static_cast<size_t>(surface.from(h))] &&
            critical[static_cast<size_t>(surface.to(h))];
   });
+}
+
+int refine_singular_stars(CrossSurface& surface, const std::vector<char>& singular) {
+  int splits = 0;
+  while (true) {
+    std::set<int> chosen;
+    for (const Sector& sector : measure_sectors(surface)) {
+      const auto v = static_cast<size_t>(sector.vertex);
+      const int lacking = 2 * sector.quarter_turns - static_cast<int>(sector.corners.size());
+      if (v >= singular.size() || !singular[v] || lacking <= 0) continue;
+      std::vector<std::pair<double, int>> corners;
+      for (const int h : sector.corners) corners.emplace_back(-surface.corner_angle(h), h);
+      std::sort(corners.begin(), corners.end());
+      for (size_t i = 0; i < corners.size() && static_cast<int>(i) < lacking; ++i) {
+        const int edge = CrossSurface::next(corners[i].second);
+        chosen.insert(std::max(edge, surface.twin(edge)));
+      }
+    }
+    if (chosen.empty()) return splits;
+    splits += split_independent_edges(surface, [&](int h) { return chosen.count(h) != 0; });
+  }
 }
 
 }  // namespace neurframe

@@ -29,4 +29,9 @@ int split_around_features(CrossSurface& surface);
 // are not critical; `critical` grows with the vertices.  Matchings must be known and are inherited.
 int split_between_critical(CrossSurface& surface, std::vector<char>& critical);
 
+// Until every sector with irregular quarter turns has at least two triangles per quarter turn: splits the edges
+// opposite to its widest corners.  With fewer, a corner comes near to a straight angle in the map and the star
+// folds as soon as the map is distorted.  Returns the number of splits.
+int refine_singular_stars(CrossSurface& surface, const std::vector<char>& singular);
+
 }  // namespace neurframe
