@@ -26,6 +26,19 @@ def find_gmsh() -> str | None:
     return shutil.which("gmsh", path=str(Path(sys.executable).parent)) or shutil.which("gmsh")
 
 
+def _command(gmsh: str) -> list[str]:
+    """How to start it.  The wheel's `gmsh` is a script for whatever `python` comes first on PATH: its own is named."""
+    try:
+        with Path(gmsh).open("rb") as file:
+            first_line = file.readline(200)
+    except OSError:
+        return [gmsh]
+    if not (first_line.startswith(b"#!") and b"python" in first_line):
+        return [gmsh]
+    beside = Path(gmsh).parent / "python"
+    return [str(beside) if beside.exists() else sys.executable, gmsh]
+
+
 def read_step(path: Path) -> Surface:
     """The faces of a STEP model, triangulated by Gmsh.
 
@@ -45,7 +58,7 @@ def read_step(path: Path) -> Surface:
         settings = ["-clcurv", str(ELEMENTS_PER_CIRCLE), "-setnumber", "Geometry.OCCAutoFix", "1"]
         try:
             run_child(
-                [gmsh, copy, "-2", "-format", "vtk", "-o", out, *settings],
+                [*_command(gmsh), copy, "-2", "-format", "vtk", "-o", out, *settings],
                 name="gmsh",
                 timeout_s=TIMEOUT_S,
                 cwd=Path(folder),

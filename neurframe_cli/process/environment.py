@@ -21,13 +21,16 @@ INHERITED = (
     "PYTHONHOME",
     "CUDA_VISIBLE_DEVICES",
 )
+OWN = "NEURFRAME_"  # settings for neurframe itself, which may be the child
 
 
 def child_environment(
     extra: Mapping[str, str] | None = None, *, threads: int | None = None
 ) -> dict[str, str]:
-    """Environment variables for a child: the inherited few, the thread count where given, then `extra`."""
-    environment = {name: os.environ[name] for name in INHERITED if name in os.environ}
+    """Environment variables for a child: the inherited few and our own, the thread count where given, then `extra`."""
+    environment = {
+        name: value for name, value in os.environ.items() if name in INHERITED or name.startswith(OWN)
+    }
     if threads is not None:
         for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
             environment[name] = str(threads)

@@ -87,7 +87,8 @@ def tetize(
 
     A surface is cleaned and filled by fTetWild (Hu et al., "Fast tetrahedral meshing in the wild", SIGGRAPH 2020)
     in a child process, whose files go to `scratch_dir`; a tet mesh is checked and passed through.
-    `name` stands for the model in messages.  Raises InvalidMesh, StageError (ChildCrashed, ChildOutOfMemory among them), TimedOut.
+    `name` stands for the model in messages.  Raises InvalidMesh, StageError (ChildCrashed, ChildOutOfMemory among
+    them), TimedOut.
     """
     started = time.monotonic()
     if isinstance(model, Surface):
