@@ -75,8 +75,8 @@ def _one(file: Path, options: argparse.Namespace) -> dict[str, Any]:
 
 def _judge(code: int, words: str, workspace: Path) -> dict[str, Any]:
     """Number of tets, what the manifest says, and `defect`: anything that a command must never do."""
-    if "Traceback" in words:
-        return {"defect": "traceback"}
+    if "Traceback" in words or "internal error" in words:
+        return {"defect": "an exception that nobody caught"}
     if code not in OUTCOMES:
         return {"defect": f"exit code {code}"}
     if code != 0:

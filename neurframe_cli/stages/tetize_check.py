@@ -27,13 +27,13 @@ ALLOWED_VOLUME = 0.02
 class Fit:
     """Distances as fractions of the bounding-box diagonal.
 
-    boundary_to_input, input_to_boundary: largest of the samples; volume_ratio: tets over input, nan where the
+    boundary_to_input, input_to_boundary: largest of the samples; volume_ratio: tets over input, None where the
     input encloses no well-defined volume.
     """
 
     boundary_to_input: float
     input_to_boundary: float
-    volume_ratio: float
+    volume_ratio: float | None
 
 
 def fit(mesh: TetMesh, surface: Surface, report: CleaningReport) -> Fit:
@@ -43,7 +43,7 @@ def fit(mesh: TetMesh, surface: Surface, report: CleaningReport) -> Fit:
     spacing = 0.01 * diagonal
     out = distances(sample_surface(V, F, spacing), surface.V, surface.F).max() / diagonal
     back = distances(sample_surface(surface.V, surface.F, spacing), V, F).max() / diagonal
-    ratio = float("nan")
+    ratio = None
     if report.closed and report.nonmanifold_edges == 0:
         volume = enclosed_volume(surface.V, surface.F)
         if volume > 0:
@@ -63,7 +63,7 @@ def refuse_misfit(found: Fit, epsilon: float, report: CleaningReport) -> list[st
         problems.append(f"the tets reach {_percent(found.boundary_to_input)} away from the surface")
     if found.input_to_boundary > allowed:
         problems.append(f"parts of the surface are {_percent(found.input_to_boundary)} away from the tets")
-    if abs(found.volume_ratio - 1) > ALLOWED_VOLUME:
+    if found.volume_ratio is not None and abs(found.volume_ratio - 1) > ALLOWED_VOLUME:
         problems.append(f"the tets have {found.volume_ratio:.3f} times the volume that the surface encloses")
     too_far = found.boundary_to_input > ALLOWED_OF_MESSY
     if problems and (report.bounds_a_solid or too_far):
