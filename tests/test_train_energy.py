@@ -13,7 +13,8 @@ from neurframe_cli.field.coarsening import coarsen
 from neurframe_cli.field.discrete_solver import solve_discrete
 from neurframe_cli.field.energy import field_energy
 from neurframe_cli.field.energy_terms import LossWeights, energy_terms, normalization_of
-from neurframe_cli.field.frames import frame_to_band4
+from neurframe_cli.field.frame_diffusion import diffuse_and_project
+from neurframe_cli.field.frames import frame_to_band4, nearest_frames
 from neurframe_cli.field.nearest_feature_edge import nearest_feature_edge
 from neurframe_cli.field.objectives import sample_terms
 from neurframe_cli.field.relaxed_solver import solve_relaxed
@@ -190,3 +191,22 @@ def test_nearest_feature_edges_agree_with_brute_force():
 def test_a_mesh_without_extent_is_refused():
     with pytest.raises(InvalidMesh, match="extent 0"):
         normalization_of(np.zeros((4, 3)))
+
+
+def test_projection_gives_true_frames_and_keeps_the_constant_field_of_a_box():
+    tets = tilted_box(3)
+    terms = energy_terms(tets, box_features(tets), LossWeights())
+    frame = frame_to_band4(rotation())
+    noisy = np.tile(frame, (len(tets.T), 1)) + 0.1 * random_rows(len(tets.T))
+    q = diffuse_and_project(terms, noisy, rounds=6)
+    # the noise that went in is up to 0.4, what the last short steps of diffusion leave of it 0.02
+    assert np.abs(q - frame).max() < 0.05
+
+
+def test_projection_lowers_the_energy_of_the_frames():
+    terms = energy_terms(box_mesh(4, bend=1.2), Features(), LossWeights())
+    q = solve_discrete(terms).q
+    before = frame_to_band4(nearest_frames(q).frames)
+    after = diffuse_and_project(terms, q)
+    assert terms.losses(after).total <= terms.losses(before).total
+    assert nearest_frames(after).distance.max() < 1e-9

@@ -7,13 +7,13 @@ import torch
 from neurframe_cli.field.energy import Alignment, FieldEnergy
 
 
-def block_jacobi(energy: FieldEnergy) -> torch.Tensor:
-    """Inverses (m,9,9) of the diagonal blocks of A.
+def block_jacobi(energy: FieldEnergy, shift: float = 0.0) -> torch.Tensor:
+    """Inverses (m,9,9) of the diagonal blocks of A + shift I.
 
     A block of a tet without neighbours is singular; a relative shift of 1e-9 keeps it invertible and is far
     below what a preconditioner needs.
     """
-    degree = energy.degree + 1e-9 * energy.degree.max()
+    degree = energy.degree + shift + 1e-9 * energy.degree.max()
     blocks = torch.diag_embed(degree[:, None].expand(-1, 9)).contiguous()
     for alignment in (energy.boundary, energy.feature):
         _add_outer_products(blocks, alignment)

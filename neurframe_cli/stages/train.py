@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from neurframe_cli.field.energy_terms import EnergyTerms, LossWeights, energy_terms, normalization_of
-from neurframe_cli.mesh.arrays import Features, Progress, TetMesh, silent
+from neurframe_cli.mesh.arrays import Features, Floats, Progress, TetMesh, silent
 from neurframe_cli.mesh.tet_adjacency import TetAdjacency, tet_adjacency
 
 if TYPE_CHECKING:
@@ -152,12 +152,18 @@ class _Session:
         q = coefficients(state.network, self.terms.points)
         return TrainResult(field, self._report(q, state.floor, clock, rounds=state.losses, stopped=stopped))
 
-    def _solve(self, progress: Progress) -> tuple[Any, float]:
+    def _solve(self, progress: Progress) -> tuple[Floats, float]:
+        """The discrete field, of true frames where that is wanted, and the least energy without that wish."""
         from neurframe_cli.field.discrete_solver import solve_discrete
+        from neurframe_cli.field.frame_diffusion import diffuse_and_project
 
         solution = solve_discrete(self.terms, device=self.device.name, progress=progress)
         self.log({"event": "discrete", "loss": solution.value, "iterations": solution.iterations})
-        return solution.q, solution.value
+        if not self.options.project:
+            return solution.q, solution.value
+        q = diffuse_and_project(self.terms, solution.q, device=self.device.name, progress=progress)
+        self.log({"event": "projected", "loss": self.terms.losses(q).total})
+        return q, solution.value
 
     def _initial_state(self) -> tuple[TrainingState, Checkpoint | None]:
         import torch
@@ -184,13 +190,18 @@ class _Session:
             return recipe.PaperRecipe(
                 options.iterations or 10_000, options.learning_rate or 5e-5, options.batch_fraction or 1.0
             )
-        assert state.floor is not None, "neural() has solved the discrete problem"
+        assert state.target is not None, "neural() has solved the discrete problem"
         first = recipe.distillation_round(
             len(self.terms.points), options.iterations, options.batch_fraction, options.learning_rate
         )
-        zero = np.zeros((len(self.terms.points), 9))
-        constant = self.terms.losses(zero).total
-        return recipe.FastRecipe(state.floor, constant, first, refinements=options.refinements)
+        # the true loss would pull projected frames back to where they came from
+        refinements = 0 if options.project else options.refinements
+        floor = self.terms.losses(state.target).total
+        return recipe.FastRecipe(floor, self._constant(), first, refinements=refinements)
+
+    def _constant(self) -> float:
+        """The loss of q = 0, the scale on which a loss is small."""
+        return self.terms.losses(np.zeros((len(self.terms.points), 9))).total
 
     def _key(self) -> str:
         """Digest of all that determines the weights: inputs, options, device, threads and version of PyTorch."""
@@ -209,7 +220,7 @@ class _Session:
         return digest.hexdigest()
 
     def _report(
-        self, q: Any, floor: float | None, clock: Clock, *, rounds: list[float], stopped: bool
+        self, q: Floats, floor: float | None, clock: Clock, *, rounds: list[float], stopped: bool
     ) -> dict[str, Any]:
         import torch
 
@@ -217,8 +228,8 @@ class _Session:
 
         seconds, cpu_seconds = clock.seconds(), clock.cpu_seconds()
         report = field_report(self.terms, q, self.tets, self.features, self.adjacency)
-        constant = self.terms.losses(np.zeros((len(self.terms.points), 9))).total
-        gap = report["losses"]["total"] / floor - 1.0 if floor and floor > 1e-6 * constant else None
+        has_floor = floor is not None and floor > 1e-6 * self._constant()
+        gap = report["losses"]["total"] / floor - 1.0 if floor and has_floor else None
         return report | {
             "tets": len(self.terms.points),
             "discrete_floor": floor,
