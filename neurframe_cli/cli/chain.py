@@ -12,9 +12,32 @@ from neurframe_cli.pipeline.workspace import Workspace
 if TYPE_CHECKING:
     from neurframe_cli.cli.console import Console
 
+# options of `neurframe train` that TrainOptions knows by the same name
+_TRAIN_OPTIONS = (
+    "preset",
+    "method",
+    "iterations",
+    "batch_fraction",
+    "learning_rate",
+    "lambda_smooth",
+    "lambda_boundary",
+    "lambda_feature",
+    "sigma",
+    "seed",
+    "device",
+    "precision",
+    "project",
+)
+
 
 def tetize_stage(
-    workspace: Workspace, model: Path, values: Mapping[str, Any], threads: int, console: Console, *, force: bool = False
+    workspace: Workspace,
+    model: Path,
+    values: Mapping[str, Any],
+    threads: int,
+    console: Console,
+    *,
+    force: bool = False,
 ) -> StageOutcome:
     """INPUT -> tets."""
     from neurframe_cli.pipeline.tetize_step import tetize_step
@@ -29,6 +52,48 @@ def tetize_stage(
         memory_mib=values["memory"],
     )
     return _run(workspace, tetize_step(model, values["features"], options), console, force)
+
+
+def train_stage(
+    workspace: Workspace, values: Mapping[str, Any], threads: int, console: Console, *, force: bool = False
+) -> StageOutcome:
+    """Tets -> field."""
+    from neurframe_cli.pipeline.train_step import train_step
+    from neurframe_cli.stages.train import TrainOptions
+
+    names = (
+        "preset",
+        "method",
+        "iterations",
+        "batch_fraction",
+        "learning_rate",
+        "lambda_smooth",
+        "lambda_boundary",
+    )
+    names += ("lambda_feature", "sigma", "seed", "device", "precision", "project")
+    options = TrainOptions(
+        **{name: values[name] for name in names}, time_budget_s=values["time_budget"], threads=threads
+    )
+    return _run(workspace, train_step(workspace, options, fresh=force), console, force)
+
+
+def discretize_stage(
+    workspace: Workspace, values: Mapping[str, Any], console: Console, *, force: bool = False
+) -> StageOutcome:
+    """Field -> frames and crosses."""
+    from neurframe_cli.pipeline.discretize_step import discretize_step
+
+    step = discretize_step(workspace, values["surface"], pictures=values["pictures"])
+    return _run(workspace, step, console, force)
+
+
+def points_stage(
+    workspace: Workspace, points: Path, console: Console, *, force: bool = False
+) -> StageOutcome:
+    """Field -> frames at given points."""
+    from neurframe_cli.pipeline.discretize_step import points_step
+
+    return _run(workspace, points_step(workspace, points), console, force)
 
 
 def _run(workspace: Workspace, step: Step, console: Console, force: bool) -> StageOutcome:
@@ -50,5 +115,17 @@ def _summary(stage: str, report: Mapping[str, Any]) -> list[str]:
         return [
             f"{report['tets']} tets, {report['vertices']} vertices, {report['feature_edges']} feature edges "
             f"in {report['feature_chains']} chains"
+        ]
+    if stage == "train":
+        losses = report["losses"]
+        return [
+            f"loss {losses['total']:.5f} (smoothness {losses['smooth']:.5f}, boundary {losses['boundary']:.5f}, "
+            f"feature {losses['feature']:.5f}) on {report['device']}"
+        ]
+    if stage == "discretize":
+        return [
+            f"{report['singular_edges']} singular edges, {report['singular_length']:.2f} diagonals long",
+            f"normals off by {report['normal_deg_mean']:.2f} degrees (mean), {report['normal_deg_max']:.1f} (worst)",
+            f"crosses on {report['surface']}",
         ]
     return []

@@ -17,10 +17,16 @@ if TYPE_CHECKING:
 
 @click.command(name="check", cls=StageCommand)
 @click.argument("mesh", type=click.Path(path_type=Path))
-@click.option("--against", type=click.Path(path_type=Path), required=True, help="The surface or tets it was made from.")
-@click.option("--feature-angle", type=float, default=45.0, show_default=True, help="Sharp edges of the input, degrees.")
+@click.option(
+    "--against", type=click.Path(path_type=Path), required=True, help="The surface or tets it was made from."
+)
+@click.option(
+    "--feature-angle", type=float, default=45.0, show_default=True, help="Sharp edges of the input, degrees."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as one JSON object.")
-def command(mesh: Path, against: Path, feature_angle: float, as_json: bool, threads: int, console: Console) -> None:
+def command(
+    mesh: Path, against: Path, feature_angle: float, as_json: bool, threads: int, console: Console
+) -> None:
     """Check a quad or hex mesh: topology, scaled Jacobian, distance and sharp edges against the input.
 
     Exit code 0 where it is valid, 4 where it is not.
@@ -29,7 +35,9 @@ def command(mesh: Path, against: Path, feature_angle: float, as_json: bool, thre
 
     verdict = check_file_against(mesh, against, feature_angle)
     if as_json:
-        console.result(json.dumps({**verdict.numbers, "valid": verdict.valid, "problems": verdict.problems}, indent=1))
+        console.result(
+            json.dumps({**verdict.numbers, "valid": verdict.valid, "problems": verdict.problems}, indent=1)
+        )
     else:
         for name, value in verdict.numbers.items():
             console.result(f"{name.replace('_', ' '):<26}{_shown(value)}")

@@ -29,4 +29,6 @@ def command(as_json: bool, threads: int, console: Console) -> None:
             console.result(f"{'ok  ' if finding.ok else 'FAIL'}  {finding.name:<{width}}  {finding.detail}")
     failed = [finding.name for finding in findings if finding.required and not finding.ok]
     if failed:
-        raise StageError(f"not working: {', '.join(failed)}", hint="install neurframe again in a fresh environment")
+        raise StageError(
+            f"not working: {', '.join(failed)}", hint="install neurframe again in a fresh environment"
+        )

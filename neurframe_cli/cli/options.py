@@ -69,6 +69,90 @@ tetize_options = options(
         show_default=True,
         help="Seconds for the tetrahedral meshing.",
     ),
-    click.option("--memory", type=click.IntRange(64), help="MiB that a child process may use.  [default: what is free]"),
-    seed_option,
+    click.option(
+        "--memory", type=click.IntRange(64), help="MiB that a child process may use.  [default: what is free]"
+    ),
+)
+
+_positive = click.FloatRange(0, min_open=True)
+_share = click.FloatRange(0, 1, min_open=True)
+
+train_options = options(
+    click.option(
+        "--preset",
+        type=click.Choice(["fast", "paper"]),
+        default="fast",
+        show_default=True,
+        help="fast: discrete solution distilled into the network; paper: Adam on the loss, 10,000 iterations.",
+    ),
+    click.option(
+        "--method",
+        type=click.Choice(["neural", "discrete"]),
+        default="neural",
+        show_default=True,
+        help="discrete: the baseline without a network.",
+    ),
+    click.option(
+        "--iterations", type=click.IntRange(1), help="Steps of the optimizer.  [default: the preset's]"
+    ),
+    click.option(
+        "--batch-fraction", type=_share, help="Share of the tets in a step.  [default: the preset's]"
+    ),
+    click.option("--learning-rate", type=_positive, help="[default: the preset's]"),
+    click.option("--time-budget", type=_positive, help="Seconds after which training ends with what it has."),
+    click.option(
+        "--lambda-smooth",
+        type=click.FloatRange(0),
+        default=1.0,
+        show_default=True,
+        help="Weight of smoothness.",
+    ),
+    click.option(
+        "--lambda-boundary",
+        type=click.FloatRange(0),
+        default=20.0,
+        show_default=True,
+        help="Weight of normals.",
+    ),
+    click.option(
+        "--lambda-feature",
+        type=click.FloatRange(0),
+        default=1.0,
+        show_default=True,
+        help="Weight of features.",
+    ),
+    click.option(
+        "--sigma", type=click.FloatRange(0), default=10.0, show_default=True, help="Decay away from features."
+    ),
+    click.option(
+        "--device",
+        type=click.Choice(["auto", "cpu", "cuda"]),
+        default="auto",
+        show_default=True,
+        help="auto: the GPU if there is one.",
+    ),
+    click.option(
+        "--precision",
+        type=click.Choice(["auto", "fp32", "tf32", "bf16"]),
+        default="auto",
+        show_default=True,
+        help="Of the hidden layers while training.",
+    ),
+    click.option(
+        "--project/--no-project",
+        default=False,
+        show_default=True,
+        help="Pull the discrete solution to true frames before it is distilled.",
+    ),
+)
+
+discretize_options = options(
+    click.option(
+        "--surface",
+        type=click.Choice(["auto", "input", "tets"]),
+        default="auto",
+        show_default=True,
+        help="Triangles for the crosses: the input's or the tets'; auto: the input's where they are good enough.",
+    ),
+    click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw PNG pictures."),
 )

@@ -59,4 +59,6 @@ class Settings:
         threads = self.threads or len(os.sched_getaffinity(0))
         for variable in _THREAD_VARIABLES:
             os.environ[variable] = str(threads)
+        # threads that spin at a barrier cost ten times the work itself where other processes want the cores
+        os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
         return threads

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING
 import click
 
 from neurframe_cli.cli.command import StageCommand
-from neurframe_cli.cli.options import force_option, input_argument, tetize_options, workspace_option
+from neurframe_cli.cli.options import (
+    force_option,
+    input_argument,
+    seed_option,
+    tetize_options,
+    workspace_option,
+)
 
 if TYPE_CHECKING:
     from neurframe_cli.cli.console import Console
@@ -18,8 +24,11 @@ if TYPE_CHECKING:
 @input_argument
 @workspace_option
 @tetize_options
+@seed_option
 @force_option
-def command(model: Path, workspace: Path | None, force: bool, threads: int, console: Console, **values: object) -> None:
+def command(
+    model: Path, workspace: Path | None, force: bool, threads: int, console: Console, **values: object
+) -> None:
     """Fill a surface with tetrahedra (fTetWild), or take a tet mesh as it is.
 
     INPUT is a surface (STL, OBJ, PLY, OFF, 3MF, GLB; STEP with the extra `step`) or a tet mesh (MEDIT, VTK, VTU, MSH,

@@ -23,7 +23,9 @@ def find_executable(program: str) -> Path:
     if chosen:
         found = shutil.which(chosen)
         if found is None:
-            raise UsageError(f"{variable}={chosen} is not an executable file", hint=f"unset {variable} to use ours")
+            raise UsageError(
+                f"{variable}={chosen} is not an executable file", hint=f"unset {variable} to use ours"
+            )
         return Path(found)
     path = FOLDER / f"neurframe-{program}"
     if not os.access(path, os.X_OK):

@@ -1,0 +1,122 @@
+"""discretize on files: field.safetensors -> tets.fra, frames.npz, cross.npz, .vtp twins, pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from neurframe_cli.errors import StageError
+from neurframe_cli.field.field_file import read_field
+from neurframe_cli.field.fra import write_fra
+from neurframe_cli.mesh.arrays import Surface, TetMesh
+from neurframe_cli.mesh.features import read_features
+from neurframe_cli.mesh.read_surface import read_surface
+from neurframe_cli.mesh.read_tets import read_medit
+from neurframe_cli.picture.draw import draw_field
+from neurframe_cli.picture.field_data import FieldData
+from neurframe_cli.picture.vtp import write_crosses_vtp, write_singular_edges_vtp
+from neurframe_cli.pipeline.atomic import atomic_path
+from neurframe_cli.pipeline.runner import StageContext, Step
+from neurframe_cli.pipeline.tetize_step import FEATURES, SURFACE, TETS
+from neurframe_cli.pipeline.train_step import FIELD
+from neurframe_cli.pipeline.workspace import Workspace
+from neurframe_cli.stages.cross_surface import Choice, choose_cross_surface
+from neurframe_cli.stages.discretize import Discretization, discretize, sample_frames
+
+FRAMES_FRA, FRAMES, CROSSES, CROSSES_VTP = "tets.fra", "frames.npz", "cross.npz", "cross.vtp"
+SINGULAR_EDGES = "singular_edges.vtp"
+PICTURES = {
+    "crosses": "field-crosses.png",
+    "singular": "field-singular.png",
+    "frames": "field-frames.png",
+    "tets": "tets.png",
+}
+POINTS = "points.npz"
+
+
+def discretize_step(workspace: Workspace, choice: Choice, *, pictures: bool = True) -> Step:
+    """The stage bound to its files; `choice` of the surface that carries the crosses."""
+    inputs = {name: workspace.require(name, "tetize INPUT") for name in (SURFACE, TETS, FEATURES)}
+    inputs[FIELD] = workspace.require(FIELD, "train")
+
+    def work(context: StageContext) -> dict[str, Any]:
+        tets, features = read_medit(inputs[TETS])[0], read_features(inputs[FEATURES])
+        surface, reason = choose_cross_surface(read_surface(inputs[SURFACE]), tets, choice)
+        field = read_field(inputs[FIELD])
+        found = discretize(
+            field.query, tets, surface, features, progress=lambda x, text: context.progress(0.8 * x, text)
+        )
+        _write(context, found, tets, surface)
+        if pictures:
+            context.progress(0.8, "pictures")
+            _draw(context, FieldData(
+                surface=surface, crosses=found.crosses, tets=tets, frames=found.tets.frames,
+                feature_edges=features.edges, singular_edges=found.singular.edges, quarters=found.singular.quarters,
+            ))  # fmt: skip
+        return {**found.summary(), "surface": reason}
+
+    return Step(
+        name="discretize",
+        version=1,
+        inputs=inputs,
+        outputs=(FRAMES_FRA, FRAMES, CROSSES, CROSSES_VTP, SINGULAR_EDGES, *PICTURES.values()),
+        options={"surface": choice, "pictures": pictures},
+        work=work,
+        packages=("torch", "numpy", "pyvista"),
+    )
+
+
+def _write(context: StageContext, found: Discretization, tets: TetMesh, surface: Surface) -> None:
+    workspace = context.workspace
+    with atomic_path(workspace / FRAMES_FRA) as path:
+        write_fra(path, found.tets.frames)
+    _save(
+        workspace / FRAMES,
+        coefficients=found.tets.coefficients,
+        frames=found.tets.frames,
+        distance=found.tets.distance,
+    )
+    _save(workspace / CROSSES, V=surface.V, F=surface.F, crosses=found.crosses)
+    with atomic_path(workspace / CROSSES_VTP) as path:
+        write_crosses_vtp(path, surface, found.crosses)
+    with atomic_path(workspace / SINGULAR_EDGES) as path:
+        write_singular_edges_vtp(path, tets.V, found.singular)
+
+
+def _save(path: Path, **arrays: Any) -> None:
+    with atomic_path(path) as temporary:
+        np.savez(temporary, **arrays)
+
+
+def _draw(context: StageContext, data: FieldData) -> None:
+    """Pictures, or a warning where this machine cannot draw: the frames do not depend on them."""
+    targets = {name: context.workspace / file for name, file in PICTURES.items()}
+    try:
+        draw_field(targets, data)
+    except StageError as error:
+        context.warn(f"no pictures: {error}")
+
+
+def points_step(workspace: Workspace, points_file: Path) -> Step:
+    """The field at the points of a file (.npy, or text with three numbers a line) -> points.npz."""
+    from neurframe_cli.mesh.read_points import read_points
+
+    field = workspace.require(FIELD, "train")
+    points = read_points(points_file)
+
+    def work(context: StageContext) -> dict[str, Any]:
+        found = sample_frames(read_field(field).query, points, progress=context.progress)
+        _save(
+            context.workspace / POINTS,
+            points=points,
+            coefficients=found.coefficients,
+            frames=found.frames,
+            distance=found.distance,
+        )
+        return {"points": len(points), "unconverged_projections": int((~found.converged).sum())}
+
+    return Step(
+        "points", 1, {FIELD: field, "points": points_file}, (POINTS,), {}, work, packages=("torch", "numpy")
+    )

@@ -1,0 +1,126 @@
+"""The command line: exit codes, one clear line for bad input, options from files, nothing heavy for --help."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+
+from neurframe_cli.cli.command import StageCommand
+from neurframe_cli.cli.main import COMMANDS, group, run_command_line
+
+HEAVY = ("numpy", "scipy", "torch", "trimesh", "pyvista", "meshio", "igl", "rich")
+
+
+def run(*arguments: str, cwd: Path | None = None, **environment: str) -> subprocess.CompletedProcess[str]:
+    """`neurframe ARGUMENTS` in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "neurframe_cli", *arguments],
+        cwd=cwd,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_help_loads_nothing_heavy() -> None:
+    script = (
+        "import sys; from neurframe_cli.cli.main import run_command_line as go; go(['--help']);"
+        f"print([m for m in {HEAVY} if m in sys.modules])"
+    )
+    shown = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    assert shown.splitlines()[-1] == "[]"
+    assert all(name in shown for name in COMMANDS)
+
+
+@pytest.mark.parametrize("name", list(COMMANDS))
+def test_every_command_explains_itself(name: str) -> None:
+    command = group.get_command(click.Context(group), name)
+    assert isinstance(command, StageCommand)
+    assert command.name == name
+    assert command.help
+    assert all(p.help for p in command.params if isinstance(p, click.Option))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    [
+        (["no-such-command"], 2, "No such command"),
+        (["tetize"], 2, "Missing argument"),
+        (["tetize", "missing.stl"], 2, "missing.stl"),
+        (["train"], 2, "no workspace here"),
+        (["train", "-w", "nowhere"], 2, "nowhere"),
+        (["discretize", "--no-such-option"], 2, "--no-such-option"),
+        (["--config", "missing.toml", "train"], 2, "missing.toml"),
+    ],
+)
+def test_wrong_usage_is_one_clear_line(tmp_path: Path, arguments: list[str], code: int, says: str) -> None:
+    ended = run(*arguments, cwd=tmp_path)
+    assert ended.returncode == code
+    assert says in ended.stderr
+    assert "Traceback" not in ended.stderr
+    assert list(tmp_path.glob("**/*.stl")) == []
+
+
+def test_unusable_input_leaves_the_reason_in_the_manifest(tmp_path: Path) -> None:
+    (tmp_path / "bad.stl").write_text("this is not a mesh")
+    ended = run("tetize", "bad.stl", cwd=tmp_path)
+    assert ended.returncode == 2
+    assert "bad.stl" in ended.stderr
+    assert "Traceback" not in ended.stderr
+
+
+def test_config_file_sets_defaults_and_the_command_line_wins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("neurframe.toml").write_text("[tetize]\nedge-length = 0.1\nseed = 7\n")
+    command = group.get_command(click.Context(group), "tetize")
+    assert command is not None
+    parent = click.Context(group)
+    context = command.make_context("tetize", ["part.stl", "--seed", "3"], parent)
+    assert context.params["edge_length"] == 0.1
+    assert context.params["seed"] == 3
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("[tetize]\nedge-lenght = 0.1\n", "edge-lenght"),
+        ("[tetise]\nedge-length = 0.1\n", "tetise"),
+        ("edge-length = 0.1\n", "outside a table"),
+        ("[tetize\n", "not valid TOML"),
+        ('[tetize]\nedge-length = "wide"\n', "wide"),
+    ],
+)
+def test_mistakes_in_a_config_file_are_named(tmp_path: Path, text: str, says: str) -> None:
+    (tmp_path / "neurframe.toml").write_text(text)
+    ended = run("tetize", "part.stl", cwd=tmp_path)
+    assert ended.returncode == 2
+    assert says in ended.stderr
+    assert "Traceback" not in ended.stderr
+
+
+def test_log_json_has_one_record_a_line(tmp_path: Path) -> None:
+    run("doctor", "--log-json", "log.jsonl", "-q", cwd=tmp_path)
+    log = tmp_path / "log.jsonl"
+    assert log.exists()
+    assert all({"time", "level", "message"} <= json.loads(line).keys() for line in log.read_text().splitlines())
+
+
+def test_internal_errors_are_one_line_and_the_traceback_is_for_those_who_ask(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken(*args: object, **kwargs: object) -> None:
+        raise ZeroDivisionError("what a pity")
+
+    monkeypatch.setattr(group, "main", broken)
+    assert run_command_line([]) == 3
+    assert "internal error" in capsys.readouterr().err
+    monkeypatch.setenv("NEURFRAME_DEBUG", "1")
+    assert run_command_line([]) == 3
+    assert "Traceback" in capsys.readouterr().err
