@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Floats, Ints
-from neurframe_cli.mesh.quality.scaled_jacobian import (
-    HEX_CORNERS,
-    hex_scaled_jacobians,
-    quad_scaled_jacobians,
-)
+from neurframe_cli.mesh.quality.scaled_jacobian import HEX_CORNERS
 
 QUAD_CORNERS = np.array([[0, 1, 3], [1, 2, 0], [2, 3, 1], [3, 0, 2]])
 # the parallel edges of each direction
@@ -28,12 +23,10 @@ HEX_DIRECTIONS = np.array(
 
 @dataclass(frozen=True)
 class CellKind:
-    """corners (c, 1 + d): each corner and its neighbours, right-handed; directions (d,p,2): parallel edges;
-    scaled_jacobians: (V, cells) -> (n,c)."""
+    """corners (c, 1 + d): each corner and its neighbours, right-handed; directions (d,p,2): parallel edges."""
 
     corners: Ints
     directions: Ints
-    scaled_jacobians: Callable[[Floats, Ints], Floats]
 
     @property
     def corner_directions(self) -> Ints:
@@ -44,8 +37,8 @@ class CellKind:
         return np.array([[direction_of[frozenset((c[0], v))] for v in c[1:]] for c in self.corners.tolist()])
 
 
-QUADS = CellKind(QUAD_CORNERS, QUAD_DIRECTIONS, quad_scaled_jacobians)
-HEXES = CellKind(HEX_CORNERS, HEX_DIRECTIONS, hex_scaled_jacobians)
+QUADS = CellKind(QUAD_CORNERS, QUAD_DIRECTIONS)
+HEXES = CellKind(HEX_CORNERS, HEX_DIRECTIONS)
 
 
 def target_lengths(X: Floats, cells: Ints, kind: CellKind, anisotropy: float, rounds: int) -> Floats:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Floats, Ints
+from neurframe_cli.mesh.quality.scaled_jacobian import SMALLEST_LENGTH
 
 
 @dataclass(frozen=True)
@@ -59,18 +60,29 @@ class CornerEnergy:
         """D (m,) at every corner; normals (3,m) unit, needed for quads."""
         return _determinants(self.columns(x), normals)[0]
 
+    def scaled_jacobians(self, x: Floats, normals: Floats | None) -> Floats:
+        """Scaled Jacobian (m,) at every corner: D over the product of the lengths of the columns."""
+        S = self.columns(x)
+        lengths = np.sqrt(np.einsum("icm,icm->im", S, S)).prod(axis=0)
+        return np.asarray(_determinants(S, normals)[0] / np.maximum(lengths, SMALLEST_LENGTH))
+
     def evaluate(self, x: Floats, normals: Floats | None, weights: EnergyWeights) -> tuple[float, Floats]:
-        """Energy and its gradient (n,3) at x (n,3)."""
+        """Energy and its gradient (n,3) at x (n,3); inf where a corner is inverted and ε = 0, or past float range."""
         S = self.columns(x)
         D, cofactors = _determinants(S, normals)
+        nowhere = np.inf, np.zeros_like(x)
         if weights.epsilon == 0.0 and D.min() <= 0.0:
-            return np.inf, np.zeros_like(x)
-        phi, by_trace, by_determinant = _density(np.einsum("icm,icm->m", S, S), D, self.dimension, weights)
-        outer = phi ** (weights.power - 1.0)
-        by_columns = 2.0 * (outer * by_trace) * S + (outer * by_determinant) * cofactors
-        stacked = by_columns.transpose(0, 2, 1).reshape(-1, 3)
-        value = float((outer * phi).sum()) / weights.power
-        return value, np.asarray(self._transposed @ stacked)
+            return nowhere
+        with np.errstate(over="ignore", invalid="ignore"):
+            phi, by_trace, by_determinant = _density(
+                np.einsum("icm,icm->m", S, S), D, self.dimension, weights
+            )
+            outer = phi ** (weights.power - 1.0)
+            by_columns = 2.0 * (outer * by_trace) * S + (outer * by_determinant) * cofactors
+            value = float((outer * phi).sum()) / weights.power
+        if not (np.isfinite(value) and np.isfinite(by_columns).all()):
+            return nowhere
+        return value, np.asarray(self._transposed @ by_columns.transpose(0, 2, 1).reshape(-1, 3))
 
 
 def _cross(a: Floats, b: Floats) -> Floats:

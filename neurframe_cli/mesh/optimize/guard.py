@@ -8,7 +8,6 @@ import numpy as np
 
 from neurframe_cli.mesh.arrays import Floats, Ints
 
-Positions = Callable[[Floats], Floats]
 STEP_FRACTIONS = np.array([1.0, 0.5, 0.25, 0.0])
 JUST_POSITIVE = 1e-3
 
@@ -23,19 +22,24 @@ def least_allowed(quality: Floats) -> Floats:
 
 
 def guarded_step(
-    old: Floats, new: Floats, cells: Ints, quality: Positions, project: Positions, allowed: Floats
-) -> tuple[Floats, Floats]:
-    """Positions between old and new (n,3) at which every cell has at least its `allowed` quality (c,); their quality.
+    old: Floats,
+    new: Floats,
+    harmed: Callable[[Floats], Ints],
+    project: Callable[[Floats], Floats],
+) -> Floats:
+    """Positions between old and new (n,3) that harm nothing.
 
-    The vertices of a cell that falls short take a half, a quarter, then none of their step, until all cells pass;
-    `old` passes, so this ends.
+    harmed(x) names the vertices (k,) whose steps do harm, none at `old`; they take a half, a quarter, then none of
+    their step, until none is named.  Where it helps no more to hold back the named ones, all are held back.
     """
-    x, found, level = new, quality(new), np.zeros(len(old), np.int64)
-    while (found < allowed).any():
-        level[np.unique(cells[found < allowed])] += 1
-        fraction = STEP_FRACTIONS[np.minimum(level, len(STEP_FRACTIONS) - 1)][:, None]
+    x, level = new, np.zeros(len(old), np.int64)
+    while len(vertices := harmed(x)):
+        last = len(STEP_FRACTIONS) - 1
+        if (level[vertices] == last).all():
+            vertices = np.arange(len(old))
+        level[vertices] = np.minimum(level[vertices] + 1, last)
+        fraction = STEP_FRACTIONS[level][:, None]
         x = project(old + fraction * (new - old))
         # bit for bit, so that what passed before passes again
         x = np.where(fraction == 1.0, new, np.where(fraction == 0.0, old, x))
-        found = quality(x)
-    return x, found
+    return x

@@ -16,13 +16,18 @@ from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise
 
 # normals (cells,3) that say which side of each quad is outside, given positions; hexes need none
 Normals = Callable[[Floats], Floats]
+Harmed = Callable[[Floats], Ints]
+
+# least determinant, in units of the target, from which the energy is a barrier; below it is regularised
+BARRIER_FROM = 1e-3
+LEAST_MERIT = 1e-3  # gained by each round for the worst corners, or it was the last
 
 
 @dataclass(frozen=True)
 class ImproveOptions:
     """rounds at most; steps: L-BFGS iterations in a round; size: weight of size against shape; power: exponent for the
-    worst corners in the last rounds; anisotropy: share of each cell's own proportions in its target; gain: a round
-    that raises worst + mean scaled Jacobian by less ends a phase."""
+    worst corners in the last rounds; anisotropy: share of each cell's own proportions in its target; gain: decrease of
+    the energy a corner (1 at best) in a round, below which the last rounds begin."""
 
     rounds: int = 20
     steps: int = 15
@@ -64,7 +69,7 @@ class Improver:
         normals: Normals | None,
         options: ImproveOptions,
     ) -> None:
-        self.cells, self.kind, self.constraints = cells, kind, constraints
+        self.cells, self.constraints = cells, constraints
         self.normals, self.options = normals, options
         lengths = target_lengths(X, cells, kind, options.anisotropy, rounds=5)
         corners = cells[:, kind.corners].reshape(-1, kind.corners.shape[1])
@@ -78,33 +83,36 @@ class Improver:
         for done in range(1, self.options.rounds + 1):
             foot, gain = self._relaxed(foot, outside, power)
             kept = self.guarded(best, foot.points)
+            merit = best.merit
             best, outside = kept if kept.better_than(best) else best, kept.outside
             report = f"worst {kept.quality.min():.3f}, mean {kept.quality.mean():.3f}"
             progress(done / self.options.rounds, report)
+            if power > 1.0 and best.merit - merit < LEAST_MERIT:
+                break
             if gain < self.options.gain:
-                if power == self.options.power:
-                    break
                 power = self.options.power
         return best, done
 
-    def guarded(self, old: State, new: Floats) -> State:
-        """As near to `new` as every cell allows that may not fall below what `old` permits."""
-        outside = self._outside(new)
+    def guarded(self, old: State, new: Floats, harmed: Harmed | None = None) -> State:
+        """As near to `new` as every cell allows that may not fall below what `old` permits, and as `harmed` allows:
+        the vertices (k,) whose steps do some other harm."""
+        outside, allowed = self._outside(new), least_allowed(old.quality)
 
         def project(x: Floats) -> Floats:
             return self.constraints.project(x).points
 
-        def quality(x: Floats) -> Floats:
-            return self._quality(x, outside)
+        def all_harmed(x: Floats) -> Ints:
+            vertices = np.unique(self.cells[self._quality(x, outside) < allowed])
+            return harmed(x) if len(vertices) == 0 and harmed is not None else vertices
 
-        x, found = guarded_step(old.x, new, self.cells, quality, project, least_allowed(old.quality))
-        return State(x, outside, found)
+        x = guarded_step(old.x, new, all_harmed, project)
+        return State(x, outside, self._quality(x, outside))
 
     def _relaxed(self, foot: Foot, outside: Floats | None, power: float) -> tuple[Foot, float]:
         """Some steps down the energy in the tangent spaces at `foot`, projected; the decrease a corner."""
         normals = None if outside is None else _corner_normals(foot.points, self.cells, outside)
         least = float(self.energy.determinants(foot.points, normals).min())
-        epsilon = 0.0 if least > 0.0 else float(np.sqrt(1e-6 + 0.04 * least**2))
+        epsilon = 0.0 if least > BARRIER_FROM else float(np.hypot(BARRIER_FROM, 0.2 * min(least, 0.0)))
         weights = EnergyWeights(self.options.size, power, epsilon)
 
         def energy(x: Floats) -> tuple[float, Floats]:
@@ -125,10 +133,12 @@ class Improver:
 
     def _quality(self, x: Floats, outside: Floats | None) -> Floats:
         """Worst scaled Jacobian of each cell (c,); that of a quad that faces inward counts as negative."""
-        worst = self.kind.scaled_jacobians(x, self.cells).min(axis=1)
         if outside is None:
-            return np.asarray(worst)
-        outward = np.einsum("cd,cd->c", quad_normals(x, self.cells), outside) > 0.0
+            return np.asarray(self.energy.scaled_jacobians(x, None).reshape(len(self.cells), -1).min(axis=1))
+        own = quad_normals(x, self.cells)
+        corners = self.energy.scaled_jacobians(x, _at_corners(own))
+        worst = corners.reshape(len(self.cells), -1).min(axis=1)
+        outward = np.einsum("cd,cd->c", own, outside) > 0.0
         return np.asarray(np.where(outward, worst, -np.abs(worst)), np.float64)
 
 
@@ -136,7 +146,12 @@ def _corner_normals(x: Floats, quads: Ints, outside: Floats) -> Floats:
     """Normal (3, 4 c) at the corners of each quad: its own, or the surface's where it faces inward."""
     own = quad_normals(x, quads)
     chosen = np.where(np.einsum("cd,cd->c", own, outside)[:, None] > 0.0, own, outside)
-    return np.ascontiguousarray(np.repeat(chosen, 4, axis=0).T)
+    return _at_corners(chosen)
+
+
+def _at_corners(normals: Floats) -> Floats:
+    """(3, 4 c) from one normal (c,3) a quad."""
+    return np.ascontiguousarray(np.repeat(normals, 4, axis=0).T)
 
 
 def quad_normals(x: Floats, quads: Ints) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -35,11 +36,18 @@ class SimplexTree:
         used, local = np.unique(S, return_inverse=True)
         self.V: Floats = np.ascontiguousarray(V[used])
         self.S: Ints = np.ascontiguousarray(local.reshape(S.shape))
-        self.directions = (
-            _vertex_normals(self.V, self.S) if S.shape[1] == 3 else _vertex_tangents(self.V, self.S)
-        )
         self._tree = igl.AABB()
         self._tree.init(self.V, self.S)
+
+    @cached_property
+    def directions(self) -> Floats:
+        """Unit normals or tangents (n,3) at the vertices."""
+        return _vertex_normals(self.V, self.S) if self.S.shape[1] == 3 else _vertex_tangents(self.V, self.S)
+
+    def distances(self, P: Floats) -> Floats:
+        """Exact distances (k,) of P (k,3)."""
+        squared = self._tree.squared_distance(self.V, self.S, np.ascontiguousarray(P))[0]
+        return np.asarray(np.sqrt(np.maximum(squared.reshape(-1), 0.0)))
 
     def closest(self, P: Floats) -> FootPoints:
         """Exact closest points of P (k,3)."""

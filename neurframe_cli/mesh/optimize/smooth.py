@@ -9,22 +9,15 @@ import numpy as np
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface
 from neurframe_cli.mesh.optimize.cell_kind import CellKind
 from neurframe_cli.mesh.optimize.classify import Classification, classify
+from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe
 from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver, Normals, State
 from neurframe_cli.mesh.optimize.patches import Patches
-from neurframe_cli.mesh.quality.distance import surface_distance
-from neurframe_cli.mesh.quality.polygons import triangulated
-
-BLENDS = (
-    1.0,
-    0.5,
-    0.25,
-)  # shares of the way that are tried while the distance is too large; then nothing moves
 
 
 @dataclass(frozen=True)
 class SmoothOptions:
-    """hausdorff_limit, in bounding-box diagonals of the input: the distance may grow up to it, and not at all beyond;
-    samples of each surface for distances."""
+    """hausdorff_limit, in bounding-box diagonals of the input: the distance of a boundary face may grow up to it, and
+    not at all beyond; samples on the surface for distances, seed for their places."""
 
     improve: ImproveOptions = field(default_factory=ImproveOptions)
     hausdorff_limit: float = 0.01
@@ -45,14 +38,14 @@ class MeshNumbers:
 
 @dataclass(frozen=True)
 class SmoothReport:
-    """Numbers before and after, what the vertices were constrained to, rounds done, and the share of the way taken (1
-    unless the distance limit was in the way)."""
+    """Numbers before and after, what the vertices were constrained to, rounds done, and how many vertices went less
+    than all the way because of the distance limit."""
 
     before: MeshNumbers
     after: MeshNumbers
     classification: Classification
     rounds: int
-    share_of_way: float
+    held_back: int
 
 
 @dataclass(frozen=True)
@@ -79,14 +72,23 @@ def smooth_cells(
     normals = _outward(faces, classified.patches) if faces is cells else None
     improver = Improver(X, cells, kind, classified.constraints, normals, options.improve)
     improved, rounds = improver.run(classified.start, progress)
-    before = _numbers(improver.first, faces, surface, options)
-    limit = max(before.hausdorff, options.hausdorff_limit)
-    for share in BLENDS:
-        state = improver.guarded(improver.first, X + share * (improved.x - X)) if share < 1.0 else improved
-        after = _numbers(state, faces, surface, options)
-        if after.hausdorff <= limit:
-            return SmoothedMesh(state.x, SmoothReport(before, after, classified.found, rounds, share))
-    return SmoothedMesh(X.copy(), SmoothReport(before, before, classified.found, rounds, 0.0))
+    probe = DistanceProbe(faces, surface, options.samples, np.random.default_rng(options.seed))
+    diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
+    distances = probe.worst_by_face(X)
+    limit = np.maximum(distances, options.hausdorff_limit * diagonal)
+
+    def too_far(x: Floats) -> Ints:
+        return np.unique(faces[probe.worst_by_face(x) > limit])
+
+    final = improver.guarded(improver.first, improved.x, too_far)
+    report = SmoothReport(
+        before=_numbers(improver.first, distances, diagonal),
+        after=_numbers(final, probe.worst_by_face(final.x), diagonal),
+        classification=classified.found,
+        rounds=rounds,
+        held_back=int((final.x != improved.x).any(axis=1).sum()),
+    )
+    return SmoothedMesh(final.x, report)
 
 
 def _outward(quads: Ints, patches: Patches) -> Normals:
@@ -103,14 +105,11 @@ def _outward(quads: Ints, patches: Patches) -> Normals:
     return normals
 
 
-def _numbers(state: State, faces: Ints, surface: Surface, options: SmoothOptions) -> MeshNumbers:
-    rng = np.random.default_rng(options.seed)
-    distance = surface_distance(Surface(state.x, triangulated(faces)), surface, options.samples, rng)
-    diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
+def _numbers(state: State, distances: Floats, diagonal: float) -> MeshNumbers:
     return MeshNumbers(
         min_scaled_jacobian=float(state.quality.min()),
         p1_scaled_jacobian=float(np.percentile(state.quality, 1)),
         mean_scaled_jacobian=float(state.quality.mean()),
         inverted=state.inverted,
-        hausdorff=distance.hausdorff / diagonal,
+        hausdorff=float(distances.max()) / diagonal,
     )
