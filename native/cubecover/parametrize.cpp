@@ -8,6 +8,7 @@
 #include "cubecover/quantize.hpp"
 #include "cubecover/refine.hpp"
 #include "cubecover/separation.hpp"
+#include "cubecover/straighten.hpp"
 #include "cubecover/untangle.hpp"
 
 namespace neurframe {
@@ -42,6 +43,7 @@ FieldMesh prepare(FieldMesh mesh) {
   separate_boundary(mesh);
   align_boundary_layer(mesh);
   match_faces(mesh);
+  straighten_singular_lines(mesh);
   while (separate_critical_edges(mesh) + separate_boundary(mesh) > 0) {
   }
   return mesh;

@@ -50,9 +50,10 @@ Eigen::VectorXd SpdSolver::solve(const Eigen::VectorXd& right_side) const {
 
 Eigen::VectorXd solve_loosely(const SparseMatrix& lower, const Eigen::VectorXd& right_side,
                               double tolerance) {
-  ConjugateGradient iteration;
+  const SparseMatrix full = lower.selfadjointView<Eigen::Lower>();
+  Eigen::ConjugateGradient<SparseMatrix, Eigen::Lower | Eigen::Upper> iteration;
   iteration.setTolerance(tolerance);
-  iteration.compute(lower);
+  iteration.compute(full);
   return iteration.solve(right_side);
 }
 
