@@ -6,6 +6,7 @@
 #include <cmath>
 #include <ctime>
 #include <map>
+#include <set>
 
 #include "core/program.hpp"
 #include "miq/cut_graph.hpp"
@@ -247,7 +248,24 @@ Parametrization parametrize(const TriangleMesh& mesh, const std::vector<std::arr
   diagnose("rounded", problem, system, real, integer);
   statistics["integer_grid"] = untangle_json(untangle(system, seamless.shapes, UntangleOptions{}, real, integer));
   clock.finish("untangling", 0.9);
+  std::set<int> printed;
   for (int f : folded_triangles(system, seamless.shapes, real, integer)) {
+    for (int start = 3*f; start < 3*f+3; ++start) { const int v0=problem.surface.from(start);
+     if (!problem.singular[size_t(v0)] || !printed.insert(v0).second) continue;
+     std::fprintf(stderr, "around %d:\n", v0);
+     struct St{int f; int rot; Eigen::Vector2d ta,tb;};
+     auto R=[](Eigen::Vector2d x,int t){t&=3; for(int i=0;i<t;++i) x=Eigen::Vector2d(-x[1],x[0]); return x;};
+     std::vector<St> q{{start/3,0,{0,0},{0,0}}}; std::set<int> seen{start/3}; std::set<int> sv;
+     auto P=[&](int h,bool fin){ Vector6 x=fin?system.corner_parameters(h/3,real,integer):free_system.corner_parameters(h/3,seamless.real,seamless.integer); int i=h%3; return Eigen::Vector2d(x[2*i],x[2*i+1]);};
+     Eigen::Vector2d oa=P(start,false), ob=P(start,true);
+     for(size_t qi=0;qi<q.size()&&qi<2000;++qi){ St st=q[qi];
+       for(int h=3*st.f;h<3*st.f+3;++h){ Eigen::Vector2d a=R(P(h,false),st.rot)+st.ta-oa,b=R(P(h,true),st.rot)+st.tb-ob;
+         if(a.cwiseAbs().maxCoeff()<3 && problem.singular[size_t(problem.surface.from(h))] && sv.insert(problem.surface.from(h)).second) std::fprintf(stderr,"   singular %d seamless %.2f %.2f -> %.2f %.2f\n",problem.surface.from(h),a[0],a[1],b[0],b[1]);
+         if(problem.surface.is_feature(h)){ Eigen::Vector2d a2=R(P(CrossSurface::next(h),false),st.rot)+st.ta-oa,b2=R(P(CrossSurface::next(h),true),st.rot)+st.tb-ob; if(a.cwiseAbs().maxCoeff()<3) std::fprintf(stderr,"   feature seamless %.2f %.2f .. %.2f %.2f -> %.2f %.2f .. %.2f %.2f\n",a[0],a[1],a2[0],a2[1],b[0],b[1],b2[0],b2[1]); continue;}
+         int o=problem.surface.twin(h); if(o<0||seen.count(o/3)) continue; if(a.cwiseAbs().maxCoeff()>3) continue; seen.insert(o/3);
+         int rot=(st.rot - problem.surface.matching[size_t(h)])&3; St n{o/3,rot,{0,0},{0,0}};
+         n.ta=R(P(h,false),st.rot)+st.ta-R(P(CrossSurface::next(o),false),rot); n.tb=R(P(h,true),st.rot)+st.tb-R(P(CrossSurface::next(o),true),rot); q.push_back(n);} }
+    }
     const Vector6 x = system.corner_parameters(f, real, integer);
     const Vector6 y = free_system.corner_parameters(f, seamless.real, seamless.integer);
     std::fprintf(stderr, "fold %d (src %d)\n", f, problem.surface.source[size_t(f)]);

@@ -172,7 +172,7 @@ void Sight::advance(const Window& window) {
   const Vector2d right = place(CrossSurface::next(o), chart);
   const Vector2d left = place(o, chart);
   const Vector2d top = place(apex, chart);
-  if (cross(right - top, left - top) <= 0) return;
+  if (cross(left - top, right - top) <= 0) return;
   if (cross(window.right, top) >= 0 && cross(top, window.left) >= 0) see_vertex(apex, chart);
   const auto push = [&](int edge, const Vector2d& low, const Vector2d& high, const Vector2d& a, const Vector2d& b) {
     if (cross(low, high) <= 0) return;
