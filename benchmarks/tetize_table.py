@@ -99,13 +99,12 @@ def _judge_mesh(path: Path) -> dict[str, Any]:
     manifold = make_boundary_manifold(mesh)[1]
     boundary_faces = int((tet_adjacency(mesh.T).neighbors < 0).sum(axis=1).max())
     defects = {
-        "non-manifold boundary": manifold.halved_edges or manifold.copied_vertices,
+        "non-manifold boundary": not manifold.unchanged,
         "tets with two boundary faces": boundary_faces > 1,
     }
     quality = mean_ratio(mesh.V, mesh.T)
     return {
         "tets": len(mesh.T),
-        "pinched": manifold.pinched_vertices,
         "quality_min": round(float(quality.min()), 4),
         "quality_1st_percent": round(float(np.percentile(quality, 1)), 3),
         "defect": ", ".join(what for what, is_so in defects.items() if is_so),

@@ -97,7 +97,7 @@ def test_tets_that_touch_in_a_vertex_or_an_edge_are_taken_apart() -> None:
     for mesh, copies in ((in_vertex, 1), (in_edge, 2)):
         apart, report = make_boundary_manifold(checked_tets(mesh.V, mesh.T)[0])
         assert report.copied_vertices == copies
-        assert report.halved_edges == report.pinched_vertices == 0
+        assert report.halved_edges == report.cut_vertices == report.pinched_vertices == 0
         assert len(apart.V) == len(mesh.V) + copies
         assert volume(apart) == pytest.approx(volume(mesh))
 
@@ -113,3 +113,23 @@ def test_an_edge_where_a_ring_touches_itself_is_halved() -> None:
     edges = np.sort(F[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
     assert volume(apart) == pytest.approx(volume(ring))
+
+
+def test_a_tunnel_that_is_pinched_in_a_vertex_is_opened() -> None:
+    """Two pits from opposite sides of a block that meet in its centre: the star of the centre is connected."""
+    mesh = grid_tets(4)
+    x, y, z = np.floor(4 * mesh.V[mesh.T].mean(axis=1)).T
+    pits = ((x == 1) & (y == 1) & (z >= 2)) | ((x == 2) & (y == 2) & (z < 2))
+    block, _ = checked_tets(mesh.V, mesh.T[~pits])
+    opened, report = make_boundary_manifold(block)
+    assert report.cut_vertices == 1
+    assert report.pinched_vertices == report.copied_vertices == 0
+    checked_tets(opened.V, opened.T)
+    V, F = boundary_surface(opened)
+    edges = np.unique(
+        np.sort(F[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0, return_counts=True
+    )
+    assert (edges[1] == 2).all()
+    # the two pits are one tunnel now: a torus
+    assert len(V) - len(edges[0]) + len(F) == 0
+    assert volume(block) - 0.01 < volume(opened) < volume(block)

@@ -6,10 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from neurframe_cli.mesh.arrays import Floats, Ints, TetMesh, as_tets
+from neurframe_cli.mesh.arrays import Bools, Floats, Ints, TetMesh, as_tets
 from neurframe_cli.mesh.split_tets import split_edges
 from neurframe_cli.mesh.surface_edges import directed_edges
 from neurframe_cli.mesh.tet_adjacency import TetAdjacency, tet_adjacency
+from neurframe_cli.mesh.tet_quality import TET_EDGES
+
+# a cut leaves new vertices; on the models at hand none of them was pinched again
+ROUNDS = 4
 
 
 @dataclass(frozen=True)
@@ -17,20 +21,44 @@ class ManifoldReport:
     """What was taken apart, and what could not be.
 
     halved_edges: boundary edges of four or more boundary triangles; copied_vertices: vertices doubled because their
-    tets hung together in no face; pinched_vertices: left where the surface touches itself from two sides of a
-    connected star, which no doubling can resolve.
+    tets hung together in no face; cut_vertices: those where the surface touched itself from two sides of a connected
+    star, cut off with half of the star; pinched_vertices: those of them that are left.
     """
 
     halved_edges: int
     copied_vertices: int
+    cut_vertices: int
     pinched_vertices: int
+
+    @property
+    def unchanged(self) -> bool:
+        return not (self.halved_edges or self.copied_vertices or self.cut_vertices)
 
 
 def make_boundary_manifold(mesh: TetMesh) -> tuple[TetMesh, ManifoldReport]:
-    """The same tets with one vertex per face-connected part of each star, split edges included.
+    """The same solid, apart from what only touches.
 
-    An edge with four boundary triangles is split at its midpoint first: its tets fall into two fans that meet in the
-    midpoint only, so each gets a copy.
+    Tets that share a vertex or an edge and are not connected there by faces get copies of it.  Where they are
+    connected, two parts of the outside meet in the vertex: its surroundings are cut away, which joins these parts.
+    """
+    mesh, halved, copied = _take_apart(mesh)
+    pinched = _pinched_vertices(tet_adjacency(mesh.T).boundary_faces)
+    cut = 0
+    for _ in range(ROUNDS):
+        if len(pinched) == 0:
+            break
+        cut += len(pinched)
+        mesh, more_halved, more_copied = _take_apart(_cut_off(mesh, pinched))
+        halved, copied = halved + more_halved, copied + more_copied
+        pinched = _pinched_vertices(tet_adjacency(mesh.T).boundary_faces)
+    return mesh, ManifoldReport(halved, copied, cut, len(pinched))
+
+
+def _take_apart(mesh: TetMesh) -> tuple[TetMesh, int, int]:
+    """Copies of vertices and edges where tets are connected by no face; how many edges and vertices.
+
+    An edge with four boundary triangles may have connected ends: it is split at its midpoint, where its tets fall
+    into two fans.
     """
     count = len(mesh.V)
     mesh = _copy_vertices(mesh, tet_adjacency(mesh.T))
@@ -41,8 +69,29 @@ def make_boundary_manifold(mesh: TetMesh) -> tuple[TetMesh, ManifoldReport]:
         halved += int(done.sum())
         mesh = _copy_vertices(mesh, tet_adjacency(mesh.T))
         crowded = _crowded_edges(tet_adjacency(mesh.T).boundary_faces)
-    pinched = _pinched_vertices(tet_adjacency(mesh.T).boundary_faces)
-    return mesh, ManifoldReport(halved, len(mesh.V) - count - halved, len(pinched))
+    return mesh, halved, len(mesh.V) - count - halved
+
+
+def _cut_off(mesh: TetMesh, vertices: Ints) -> TetMesh:
+    """The mesh without the inner halves of the stars of `vertices` (k,)."""
+    count = len(mesh.V)
+    chosen = np.zeros(count, np.bool_)
+    chosen[vertices] = True
+    edges = _edges_to_cut(mesh, chosen)
+    while len(edges):
+        mesh, _ = split_edges(mesh, edges)
+        chosen = np.concatenate([chosen, np.zeros(len(mesh.V) - len(chosen), np.bool_)])
+        edges = _edges_to_cut(mesh, chosen)
+        edges = edges[(edges < count).all(axis=1)]
+    kept = mesh.T[~chosen[mesh.T].any(axis=1)]
+    used, renumbered = np.unique(kept, return_inverse=True)
+    return as_tets(mesh.V[used], renumbered.reshape(-1, 4))
+
+
+def _edges_to_cut(mesh: TetMesh, chosen: Bools) -> Ints:
+    """(k,2) edges that leave a chosen vertex."""
+    edges = mesh.T[chosen[mesh.T].any(axis=1)][:, TET_EDGES].reshape(-1, 2)
+    return np.unique(np.sort(edges[chosen[edges].any(axis=1)], axis=1), axis=0)
 
 
 def _copy_vertices(mesh: TetMesh, adjacency: TetAdjacency) -> TetMesh:

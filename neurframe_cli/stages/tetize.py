@@ -18,7 +18,7 @@ from neurframe_cli.mesh.manifold_boundary import boundary_surface, make_boundary
 from neurframe_cli.mesh.open_surface import refuse_large_holes
 from neurframe_cli.mesh.subdivide_boundary_tets import subdivide_boundary_tets
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
-from neurframe_cli.stages.tetize_attempts import Attempt, first_success
+from neurframe_cli.stages.tetize_attempts import Attempt, first_success, manifold_warnings
 from neurframe_cli.stages.tetize_check import Fit
 
 
@@ -131,20 +131,18 @@ def _passed_through(
     mesh: TetMesh, features: Features, options: TetizeOptions, started: float, name: str | Path
 ) -> TetizeResult:
     """Checks and divides; the file's features win over the angle, given segments over both."""
-    warnings = []
     checked, new_number = checked_tets(mesh.V, mesh.T, name)
     edges = new_number[features.edges]
     repaired, report = make_boundary_manifold(checked)
-    if report.halved_edges or report.copied_vertices:
-        if len(edges):
-            raise InvalidMesh(
-                f"{name}: the boundary of the tet mesh is not manifold ({report.halved_edges} edges, "
-                f"{report.copied_vertices} vertices), and feature edges run over it",
-                hint="take the parts apart where they touch, or drop the features from the file",
-            )
-        warnings.append(f"{report.halved_edges} edges and {report.copied_vertices} vertices taken apart")
+    if not report.unchanged and len(edges):
+        raise InvalidMesh(
+            f"{name}: the boundary of the tet mesh is not manifold ({report.halved_edges} edges, "
+            f"{report.copied_vertices + report.cut_vertices} vertices), and feature edges run over it",
+            hint="take the parts apart where they touch, or drop the features from the file",
+        )
     if report.pinched_vertices:
-        warnings.append(f"the boundary touches itself at {report.pinched_vertices} vertices")
+        raise InvalidMesh(f"{name}: the boundary touches itself at {report.pinched_vertices} vertices")
+    warnings = manifold_warnings(report)
     surface = Surface(*boundary_surface(repaired))
     tets, edges, divided = _divide(repaired, edges, options)
     if len(edges) and options.feature_segments is None:

@@ -13,7 +13,7 @@ from neurframe_cli.errors import ChildOutOfMemory, InvalidMesh, NeurframeError, 
 from neurframe_cli.mesh.arrays import Floats, Progress, Surface, TetMesh, as_surface
 from neurframe_cli.mesh.check_tets import checked_tets
 from neurframe_cli.mesh.clean_surface import CleaningReport
-from neurframe_cli.mesh.manifold_boundary import make_boundary_manifold
+from neurframe_cli.mesh.manifold_boundary import ManifoldReport, make_boundary_manifold
 from neurframe_cli.stages.run_tetwild import TetwildRun, TetwildSettings, run_tetwild
 from neurframe_cli.stages.tetize_check import Fit, fit, refuse_misfit
 
@@ -136,18 +136,25 @@ def _accepted(
         tets, _ = checked_tets(run.V * boxed.scale + boxed.origin, run.T, "fTetWild's result")
         tets, manifold = make_boundary_manifold(tets)
         checked_tets(tets.V, tets.T, "fTetWild's result, taken apart where it touches itself")
+        if manifold.pinched_vertices:
+            raise StageError(
+                f"the boundary of the tets touches itself at {manifold.pinched_vertices} vertices"
+            )
     except InvalidMesh as error:
         raise StageError(str(error)) from error
     found = fit(tets, surface, report)
     warnings = refuse_misfit(found, settings.epsilon, report)
-    if manifold.halved_edges or manifold.copied_vertices:
-        warnings.append(
-            f"taken apart where the solid only touches itself: {manifold.halved_edges} edges, "
-            f"{manifold.copied_vertices} vertices"
-        )
-    if manifold.pinched_vertices:
-        warnings.append(f"the boundary touches itself at {manifold.pinched_vertices} vertices")
-    return tets, found, warnings
+    return tets, found, warnings + manifold_warnings(manifold)
+
+
+def manifold_warnings(report: ManifoldReport) -> list[str]:
+    """What make_boundary_manifold had to do."""
+    if report.unchanged:
+        return []
+    return [
+        f"taken apart where the solid only touches itself: {report.halved_edges} edges, "
+        f"{report.copied_vertices + report.cut_vertices} vertices"
+    ]
 
 
 def _other_settings(attempts: list[Attempt]) -> list[str]:
