@@ -8,9 +8,13 @@
 
 namespace neurframe {
 
-Eigen::Vector3d CrossSurface::normal(int f) const { return along(3 * f).cross(along(3 * f + 1)).normalized(); }
+Eigen::Vector3d CrossSurface::normal(int f) const {
+  return along(3 * f).cross(along(3 * f + 1)).normalized();
+}
 
-double CrossSurface::area(int f) const { return along(3 * f).cross(along(3 * f + 1)).norm() / 2; }
+double CrossSurface::area(int f) const {
+  return along(3 * f).cross(along(3 * f + 1)).norm() / 2;
+}
 
 double CrossSurface::corner_angle(int h) const {
   const Eigen::Vector3d out = along(h);
@@ -18,7 +22,9 @@ double CrossSurface::corner_angle(int h) const {
   return std::atan2(out.cross(in).norm(), out.dot(in));
 }
 
-Eigen::Vector3d CrossSurface::second_axis(int f) const { return normal(f).cross(axis[static_cast<size_t>(f)]); }
+Eigen::Vector3d CrossSurface::second_axis(int f) const {
+  return normal(f).cross(axis[static_cast<size_t>(f)]);
+}
 
 void pair_half_edges(CrossSurface& surface) {
   surface.opposite = half_edge_twins(surface.triangles, surface.positions.size());

@@ -17,7 +17,8 @@ struct CrossSurface {
   std::vector<int> source;            // per triangle: the input triangle that it lies in
   std::vector<int> opposite;          // per half-edge; -1 on the boundary
   std::vector<char> feature;          // per half-edge: to become an integer isoline, boundary edges included
-  // per half-edge from triangle f to g: the first axis of f is the first axis of g after this many quarter turns
+  // per half-edge from triangle f to g: the first axis of f is the first axis of g after this many quarter
+  // turns
   std::vector<int> matching;
 
   int triangle_count() const { return static_cast<int>(triangles.size()); }
@@ -31,24 +32,25 @@ struct CrossSurface {
   bool is_feature(int h) const { return feature[static_cast<size_t>(h)] != 0; }
   const Eigen::Vector3d& at(int v) const { return positions[static_cast<size_t>(v)]; }
   Eigen::Vector3d along(int h) const { return at(to(h)) - at(from(h)); }
-  Eigen::Vector3d normal(int f) const;      // unit length
+  Eigen::Vector3d normal(int f) const;  // unit length
   double area(int f) const;
-  double corner_angle(int h) const;         // radians, at from(h)
+  double corner_angle(int h) const;          // radians, at from(h)
   Eigen::Vector3d second_axis(int f) const;  // normal x axis
 };
 
-// Pairs the half-edges.  Raises InputError where more than two triangles, or two of opposite orientation, share
-// an edge.
+// Pairs the half-edges.  Raises InputError where more than two triangles, or two of opposite orientation,
+// share an edge.
 void pair_half_edges(CrossSurface& surface);
 
 // Gives every fan of triangles at a vertex a vertex of its own; returns how many vertices were added.
 int split_nonmanifold_vertices(CrossSurface& surface);
 
-// One outgoing half-edge per vertex, the most clockwise one where the vertex is on the boundary; -1 if unused.
+// One outgoing half-edge per vertex, the most clockwise one where the vertex is on the boundary; -1 if
+// unused.
 std::vector<int> outgoing_half_edges(const CrossSurface& surface);
 
-// The outgoing half-edges of a vertex counter-clockwise from `start`, which must be one of them; at a boundary
-// vertex `start` must be the most clockwise one.
+// The outgoing half-edges of a vertex counter-clockwise from `start`, which must be one of them; at a
+// boundary vertex `start` must be the most clockwise one.
 std::vector<int> fan(const CrossSurface& surface, int start);
 
 double total_area(const CrossSurface& surface);

@@ -16,7 +16,9 @@ void turn_cross(CrossSurface& surface, int f, int quarter_turns) {
   }
 }
 
-bool is_seam(const CutGraph& graph, int h) { return graph.seam[static_cast<size_t>(h)] != 0; }
+bool is_seam(const CutGraph& graph, int h) {
+  return graph.seam[static_cast<size_t>(h)] != 0;
+}
 
 void set_seam(const CrossSurface& surface, CutGraph& graph, int h, char value) {
   graph.seam[static_cast<size_t>(h)] = value;
@@ -38,7 +40,9 @@ std::vector<int> seam_degrees(const CrossSurface& surface, const CutGraph& graph
 void prune(const CrossSurface& surface, const std::vector<char>& critical, CutGraph& graph) {
   std::vector<int> degree = seam_degrees(surface, graph);
   const std::vector<int> outgoing = outgoing_half_edges(surface);
-  const auto is_tip = [&](int v) { return degree[static_cast<size_t>(v)] == 1 && !critical[static_cast<size_t>(v)]; };
+  const auto is_tip = [&](int v) {
+    return degree[static_cast<size_t>(v)] == 1 && !critical[static_cast<size_t>(v)];
+  };
   std::vector<int> tips;
   for (int v = 0; v < surface.vertex_count(); ++v) {
     if (is_tip(v)) tips.push_back(v);
@@ -67,7 +71,9 @@ int next_on_left(const CrossSurface& surface, const CutGraph& graph, int h) {
 
 void trace_branches(const CrossSurface& surface, const std::vector<char>& critical, CutGraph& graph) {
   const std::vector<int> degree = seam_degrees(surface, graph);
-  const auto is_node = [&](int v) { return degree[static_cast<size_t>(v)] != 2 || critical[static_cast<size_t>(v)]; };
+  const auto is_node = [&](int v) {
+    return degree[static_cast<size_t>(v)] != 2 || critical[static_cast<size_t>(v)];
+  };
   std::vector<char> traced(graph.seam.size(), 0);
   const auto trace = [&](int start) {
     SeamBranch branch;
@@ -124,7 +130,8 @@ CutGraph build_cut_graph(const CrossSurface& surface, const std::vector<char>& c
   return graph;
 }
 
-std::vector<int> corner_sectors(const CrossSurface& surface, const std::vector<char>& seam, int& sector_count) {
+std::vector<int> corner_sectors(const CrossSurface& surface, const std::vector<char>& seam,
+                                int& sector_count) {
   std::vector<int> sector(seam.size(), -1);
   sector_count = 0;
   for (const int start : outgoing_half_edges(surface)) {

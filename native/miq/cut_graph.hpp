@@ -7,8 +7,9 @@
 
 namespace neurframe {
 
-// A spanning forest of the dual graph by breadth-first search, as the half-edges that lead into each triangle;
-// turns the crosses so that the matching across them is zero.  Returns per half-edge whether the forest crosses it.
+// A spanning forest of the dual graph by breadth-first search, as the half-edges that lead into each
+// triangle; turns the crosses so that the matching across them is zero.  Returns per half-edge whether the
+// forest crosses it.
 std::vector<char> comb(CrossSurface& surface);
 
 // A maximal chain of seam edges without a node inside: the transition is constant along it.
@@ -26,6 +27,7 @@ CutGraph build_cut_graph(const CrossSurface& surface, const std::vector<char>& c
                          const std::vector<char>& critical);
 
 // Corners of one vertex that no seam separates share a sector.  Returns the sector of every corner.
-std::vector<int> corner_sectors(const CrossSurface& surface, const std::vector<char>& seam, int& sector_count);
+std::vector<int> corner_sectors(const CrossSurface& surface, const std::vector<char>& seam,
+                                int& sector_count);
 
 }  // namespace neurframe

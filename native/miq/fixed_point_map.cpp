@@ -13,10 +13,12 @@ int64_t whole(const std::vector<std::pair<int, int>>& terms, const Eigen::Vector
   return total;
 }
 
-double largest_parameter(const ReducedVariables& variables, const Eigen::VectorXd& real, const Eigen::VectorXd& integer) {
+double largest_parameter(const ReducedVariables& variables, const Eigen::VectorXd& real,
+                         const Eigen::VectorXd& integer) {
   double largest = 0;
   for (const ReducedCoordinate& x : variables.coordinates) {
-    const double value = (x.real >= 0 ? x.sign * real[x.real] : 0.0) + static_cast<double>(whole(x.integers, integer));
+    const double value =
+        (x.real >= 0 ? x.sign * real[x.real] : 0.0) + static_cast<double>(whole(x.integers, integer));
     largest = std::max(largest, std::abs(value));
   }
   return largest;
@@ -56,7 +58,8 @@ FixedPointMap fixed_point_map(const ReducedVariables& variables, const Eigen::Ve
   return map;
 }
 
-MapCheck check_map(const CrossSurface& surface, const std::vector<Sector>& sectors, const FixedPointMap& map) {
+MapCheck check_map(const CrossSurface& surface, const std::vector<Sector>& sectors,
+                   const FixedPointMap& map) {
   MapCheck check;
   double doubled = 0;
   for (int f = 0; f < surface.triangle_count(); ++f) {
@@ -95,8 +98,8 @@ QuadMap quad_map(const CrossSurface& surface, const ReducedVariables& variables,
   }
   for (size_t b = 0; b < graph.branches.size(); ++b) {
     const SeamTransition& seam = variables.transitions[b];
-    const GridTransition2 transition{QuarterTurn(seam.turns),
-                                     {whole(seam.translation[0], integer), whole(seam.translation[1], integer)}};
+    const GridTransition2 transition{
+        QuarterTurn(seam.turns), {whole(seam.translation[0], integer), whole(seam.translation[1], integer)}};
     for (const int h : graph.branches[b].half_edges) {
       out.transitions.push_back({h / 3, surface.twin(h) / 3, transition});
     }

@@ -18,16 +18,16 @@ struct FixedPointMap {
   std::vector<Vector2<Fixed>> corners;  // per corner
 };
 
-// Rounds the real variables to the lattice and substitutes: seams, features and singular vertices hold exactly,
-// because the substitution only adds, negates and shifts whole cells.  Raises StageError if the map has too many
-// cells for the lattice.
+// Rounds the real variables to the lattice and substitutes: seams, features and singular vertices hold
+// exactly, because the substitution only adds, negates and shifts whole cells.  Raises StageError if the map
+// has too many cells for the lattice.
 FixedPointMap fixed_point_map(const ReducedVariables& variables, const Eigen::VectorXd& real,
                               const Eigen::VectorXd& integer);
 
 struct MapCheck {
-  std::vector<int> folded;        // triangles with exact determinant <= 0
-  std::vector<int> overwound;     // vertices whose sectors have not the expected quarter turns in the map
-  double cells = 0;               // parametric area
+  std::vector<int> folded;     // triangles with exact determinant <= 0
+  std::vector<int> overwound;  // vertices whose sectors have not the expected quarter turns in the map
+  double cells = 0;            // parametric area
   bool valid() const { return folded.empty() && overwound.empty(); }
 };
 

@@ -6,7 +6,9 @@
 
 namespace neurframe {
 
-IntegerCombination symbol(int index) { return {{{index, 1}}, 0}; }
+IntegerCombination symbol(int index) {
+  return {{{index, 1}}, 0};
+}
 
 IntegerCombination sum(const IntegerCombination& a, const IntegerCombination& b, int64_t factor) {
   IntegerCombination out;
@@ -30,7 +32,9 @@ IntegerCombination scaled(const IntegerCombination& a, int64_t factor) {
   return sum(IntegerCombination{}, a, factor);
 }
 
-int IntegerEquations::add_symbol() { return symbol_count_++; }
+int IntegerEquations::add_symbol() {
+  return symbol_count_++;
+}
 
 IntegerCombination IntegerEquations::resolve(const IntegerCombination& a) const {
   IntegerCombination out{{}, a.constant};
@@ -73,7 +77,8 @@ bool IntegerEquations::impose(const IntegerCombination& unresolved) {
   return true;
 }
 
-// c a + sum of d_j k_j = 0 with |c| the least: a = a' - sum of (d_j div c) k_j leaves c a' + sum of (d_j mod c) k_j
+// c a + sum of d_j k_j = 0 with |c| the least: a = a' - sum of (d_j div c) k_j leaves c a' + sum of (d_j mod
+// c) k_j
 bool IntegerEquations::impose_by_euclid(IntegerCombination row) {
   const auto least = std::min_element(row.terms.begin(), row.terms.end(), [](const auto& a, const auto& b) {
     return std::abs(a.second) < std::abs(b.second);

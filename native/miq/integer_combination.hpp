@@ -23,15 +23,15 @@ IntegerCombination sum(const IntegerCombination& a, const IntegerCombination& b,
 
 IntegerCombination scaled(const IntegerCombination& a, int64_t factor);
 
-// The integer solutions of homogeneous or inhomogeneous equations between integer symbols, parametrised by free
-// symbols.  Symbols may be added at any time; an equation takes effect at once.
+// The integer solutions of homogeneous or inhomogeneous equations between integer symbols, parametrised by
+// free symbols.  Symbols may be added at any time; an equation takes effect at once.
 class IntegerEquations {
  public:
   // a fresh symbol, free until an equation binds it
   int add_symbol();
 
-  // Imposes row = 0.  False if no integers satisfy it together with the earlier rows: the row is then left out.
-  // Pivots with coefficient +-1 are preferred; without one, Euclid's algorithm on the columns makes one.
+  // Imposes row = 0.  False if no integers satisfy it together with the earlier rows: the row is then left
+  // out. Pivots with coefficient +-1 are preferred; without one, Euclid's algorithm on the columns makes one.
   bool impose(const IntegerCombination& row);
 
   // the combination in free symbols only
@@ -42,7 +42,7 @@ class IntegerEquations {
   bool impose_by_euclid(IntegerCombination row);
 
   int symbol_count_ = 0;
-  std::map<int, IntegerCombination> value_;       // bound symbol -> combination of free symbols
+  std::map<int, IntegerCombination> value_;        // bound symbol -> combination of free symbols
   std::map<int, std::vector<int>> users_of_free_;  // free symbol -> bound symbols that may mention it
 };
 

@@ -11,14 +11,16 @@ namespace {
 
 CommandLine command_line() {
   return {"neurframe-miq",
-          "Mixed-integer parametrisation: a seamless integer-grid map of a triangle mesh that follows its crosses.\n"
+          "Mixed-integer parametrisation: a seamless integer-grid map of a triangle mesh that follows its "
+          "crosses.\n"
           "CROSS.txt has one line per triangle with two tangent vectors (6 numbers), or is a .rosy file.",
           {"SURFACE.obj", "CROSS.txt"},
           {{"--output", "-o", "MAP.obj", "the map: refined triangles with one vt per corner", true},
            {"--edge-length", "", "H", "target edge length in input units"},
            {"--scale", "", "S", "target edge length = bounding box diagonal / S (default 100)"},
            {"--target-faces", "", "N", "target number of quads, reached within 5 %"},
-           {"--features", "", "FILE", "vertex pairs (from 0), one a line, to become edges; none are detected then"},
+           {"--features", "", "FILE",
+            "vertex pairs (from 0), one a line, to become edges; none are detected then"},
            {"--feature-angle", "", "DEG", "dihedral angle above which edges are features (default 45)"},
            {"--sizing", "", "FILE", "one factor on the edge length per vertex"},
            {"--source", "", "FILE", "writes the input triangle of each triangle of the map"}}};

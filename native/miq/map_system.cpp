@@ -1,8 +1,8 @@
 #include "miq/map_system.hpp"
 
-#include <algorithm>
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 
 #include "core/errors.hpp"
 
@@ -41,7 +41,8 @@ MapSystem::MapSystem(const ReducedVariables& variables, int triangle_count, bool
     std::vector<std::pair<int, int>> row;
     if (coordinate.real >= 0) row.emplace_back(coordinate.real, coordinate.sign);
     if (integers_free) {
-      for (const auto& [index, factor] : coordinate.integers) row.emplace_back(variables.real_count + index, factor);
+      for (const auto& [index, factor] : coordinate.integers)
+        row.emplace_back(variables.real_count + index, factor);
     }
     rows_.push_back(std::move(row));
   }
@@ -82,7 +83,8 @@ void MapSystem::build_pattern() {
   first_entry_.push_back(entries_.size());
 }
 
-Vector6 MapSystem::corner_parameters(int f, const Eigen::VectorXd& real, const Eigen::VectorXd& integer) const {
+Vector6 MapSystem::corner_parameters(int f, const Eigen::VectorXd& real,
+                                     const Eigen::VectorXd& integer) const {
   Vector6 out;
   for (int local = 0; local < 6; ++local) {
     const auto corner = static_cast<size_t>(3 * f + local / 2);
@@ -101,7 +103,8 @@ void MapSystem::assemble(const std::vector<Eigen::Matrix<double, 6, 6>>& hessian
   for (size_t f = 0; f < static_cast<size_t>(triangle_count_); ++f) {
     const double* hessian = hessians[f].data();
     for (size_t e = first_entry_[f]; e < first_entry_[f + 1]; ++e) {
-      matrix_.valuePtr()[entries_[e].slot] += static_cast<double>(entries_[e].factor) * hessian[entries_[e].local];
+      matrix_.valuePtr()[entries_[e].slot] +=
+          static_cast<double>(entries_[e].factor) * hessian[entries_[e].local];
     }
   }
   assemble_gradient(gradients);

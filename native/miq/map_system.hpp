@@ -2,8 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 #include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <memory>
 #include <vector>
 
@@ -17,8 +17,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 using SparseFactor = Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::AMDOrdering<int>>;
 
-// The Jacobian of the map on each triangle, (du/dx, du/dy, dv/dx, dv/dy), against the triangle's cross scaled by
-// the target edge length: the identity is the ideal map.  Corner parameters are ordered u0 v0 u1 v1 u2 v2.
+// The Jacobian of the map on each triangle, (du/dx, du/dy, dv/dx, dv/dy), against the triangle's cross scaled
+// by the target edge length: the identity is the ideal map.  Corner parameters are ordered u0 v0 u1 v1 u2 v2.
 struct TriangleShapes {
   std::vector<Matrix46> jacobian;
   std::vector<double> weight;  // triangle area in target cells
@@ -36,7 +36,8 @@ class MapSystem {
   Vector6 corner_parameters(int f, const Eigen::VectorXd& real, const Eigen::VectorXd& integer) const;
 
   // Lower half of the sum of R_f^T H_f R_f, and the sum of R_f^T g_f, with R_f the triangle's rows.
-  void assemble(const std::vector<Eigen::Matrix<double, 6, 6>>& hessians, const std::vector<Vector6>& gradients);
+  void assemble(const std::vector<Eigen::Matrix<double, 6, 6>>& hessians,
+                const std::vector<Vector6>& gradients);
   void assemble_gradient(const std::vector<Vector6>& gradients);
   const SparseMatrix& matrix() const { return matrix_; }
   const Eigen::VectorXd& gradient() const { return gradient_; }
@@ -59,11 +60,12 @@ class MapSystem {
   std::vector<size_t> first_entry_;  // per triangle
 };
 
-// The quadratic form sum of stiffness * weight * |J|^2 over all triangles, split into real and integer variables.
+// The quadratic form sum of stiffness * weight * |J|^2 over all triangles, split into real and integer
+// variables.
 struct PoissonSystem {
   std::unique_ptr<SparseFactor> real_factor = std::make_unique<SparseFactor>();
-  SparseMatrix real_integer;         // mixed block
-  Eigen::MatrixXd schur;             // integer variables after elimination of the real ones
+  SparseMatrix real_integer;  // mixed block
+  Eigen::MatrixXd schur;      // integer variables after elimination of the real ones
   // change of the real variables that follows a change of the integers
   Eigen::VectorXd real_response(const Eigen::VectorXd& integer_change) const;
 };

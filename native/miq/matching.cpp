@@ -29,7 +29,8 @@ double align_to_features(CrossSurface& surface) {
   for (int f = 0; f < surface.triangle_count(); ++f) {
     int edge = -1;
     for (int h = 3 * f; h < 3 * f + 3; ++h) {
-      if (surface.is_feature(h) && (edge < 0 || surface.along(h).norm() > surface.along(edge).norm())) edge = h;
+      if (surface.is_feature(h) && (edge < 0 || surface.along(h).norm() > surface.along(edge).norm()))
+        edge = h;
     }
     if (edge < 0) continue;
     const Eigen::Vector3d along = surface.along(edge).normalized();
@@ -67,7 +68,8 @@ std::vector<Sector> measure_sectors(const CrossSurface& surface) {
   for (const int start : outgoing_half_edges(surface)) {
     if (start < 0) continue;
     std::vector<int> corners = fan(surface, start);
-    const auto first = std::find_if(corners.begin(), corners.end(), [&](int h) { return surface.is_feature(h); });
+    const auto first =
+        std::find_if(corners.begin(), corners.end(), [&](int h) { return surface.is_feature(h); });
     const bool closed = first == corners.end();
     if (!closed) std::rotate(corners.begin(), first, corners.end());
     double angle = 0;

@@ -25,7 +25,8 @@ struct Sector {
   int quarter_turns;         // of the map from the first spoke to the last: 4 at a regular interior vertex
 };
 
-// All sectors.  Quarter turns are counted as angle, not modulo 4: (sum of corner angles + residuals) / 90 degrees.
+// All sectors.  Quarter turns are counted as angle, not modulo 4: (sum of corner angles + residuals) / 90
+// degrees.
 std::vector<Sector> measure_sectors(const CrossSurface& surface);
 
 // per vertex: -1 regular, else the index of its first sector in `sectors` that makes it an integer point

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <ctime>
 #include <map>
-#include <set>
 
 #include "core/program.hpp"
 #include "miq/cut_graph.hpp"
@@ -49,7 +48,8 @@ CrossSurface build_surface(const TriangleMesh& mesh, const std::vector<std::arra
     const Eigen::Vector3d normal = surface.normal(f);
     Eigen::Vector3d axis(crosses[k][0], crosses[k][1], crosses[k][2]);
     axis -= normal * normal.dot(axis);
-    if (!(axis.norm() > 1e-6)) throw InputError("the cross of triangle " + std::to_string(f) + " is not tangent");
+    if (!(axis.norm() > 1e-6))
+      throw InputError("the cross of triangle " + std::to_string(f) + " is not tangent");
     surface.axis.push_back(axis.normalized());
     double size = 1;
     if (!sizing.empty()) {
@@ -87,7 +87,8 @@ struct Problem {
   ReducedVariables variables;
 };
 
-Problem prepare_problem(CrossSurface surface, const ParametrizeOptions& options, double edge_length, Json& statistics) {
+Problem prepare_problem(CrossSurface surface, const ParametrizeOptions& options, double edge_length,
+                        Json& statistics) {
   FeatureOptions features = options.features;
   features.shortest_line = std::max(features.shortest_line, 4 * edge_length);
   mark_features(surface, features);
@@ -101,7 +102,8 @@ Problem prepare_problem(CrossSurface surface, const ParametrizeOptions& options,
   statistics["singularities"] = singularity_histogram(surface, problem.sectors);
   std::vector<char> critical = singular_vertices(surface, problem.sectors);
   for (int h = 0; h < surface.half_edge_count(); ++h) {
-    if (surface.is_feature(h)) critical[static_cast<size_t>(surface.from(h))] = critical[static_cast<size_t>(surface.to(h))] = 1;
+    if (surface.is_feature(h))
+      critical[static_cast<size_t>(surface.from(h))] = critical[static_cast<size_t>(surface.to(h))] = 1;
   }
   statistics["splits"]["critical"] = split_between_critical(surface, critical);
   problem.singular = singular_vertices(surface, measure_sectors(surface));
@@ -116,8 +118,6 @@ Problem prepare_problem(CrossSurface surface, const ParametrizeOptions& options,
   statistics["seam_branches"] = problem.graph.branches.size();
   statistics["real_variables"] = problem.variables.real_count;
   statistics["integer_variables"] = problem.variables.integer_count;
-  size_t nnz=0; for (auto& c: problem.variables.coordinates) nnz+=c.integers.size();
-  std::fprintf(stderr,"integer terms %zu of %zu coordinates\n", nnz, problem.variables.coordinates.size());
   return problem;
 }
 
@@ -129,22 +129,8 @@ Json untangle_json(const UntangleResult& result) {
   return json;
 }
 
-FixedPointMap sample(const Problem& problem, const MapSystem& system, const Eigen::VectorXd& real, const Eigen::VectorXd& integer) {
-  FixedPointMap map;
-  map.fraction_bits = 24;
-  for (int f = 0; f < problem.surface.triangle_count(); ++f) {
-    const Vector6 x = system.corner_parameters(f, real, integer);
-    for (int i = 0; i < 6; i += 2) map.corners.push_back({to_fixed(x[i], 24), to_fixed(x[i + 1], 24)});
-  }
-  return map;
-}
-void diagnose(const char* name, const Problem& problem, const MapSystem& system, const Eigen::VectorXd& real, const Eigen::VectorXd& integer) {
-  const MapCheck check = check_map(problem.surface, problem.sectors, sample(problem, system, real, integer));
-  std::fprintf(stderr, "%s: folded %zu overwound %zu\n", name, check.folded.size(), check.overwound.size());
-  for (int v : check.overwound) for (const Sector& s : problem.sectors) if (s.vertex == v) std::fprintf(stderr, "  v %d at %g %g %g closed %d expected %d\n", v, problem.surface.at(v)[0],problem.surface.at(v)[1],problem.surface.at(v)[2], s.closed, s.quarter_turns);
-}
-
-double parametric_area(const Problem& problem, const MapSystem& system, const Eigen::VectorXd& real, const Eigen::VectorXd& integer) {
+double parametric_area(const Problem& problem, const MapSystem& system, const Eigen::VectorXd& real,
+                       const Eigen::VectorXd& integer) {
   double area = 0;
   for (int f = 0; f < problem.surface.triangle_count(); ++f) {
     const Vector6 x = system.corner_parameters(f, real, integer);
@@ -177,8 +163,8 @@ struct Seamless {
 Quantization quantize_at_scale(const Problem& problem, const MapSystem& system, const Seamless& seamless,
                                const ParametrizeOptions& options, Json& statistics) {
   const std::vector<SeparationRow> rows =
-      separation_rows(problem.surface, problem.variables, problem.singular, system, seamless.real, seamless.integer,
-                      options.separation_reach);
+      separation_rows(problem.surface, problem.variables, problem.singular, system, seamless.real,
+                      seamless.integer, options.separation_reach);
   Quantization quantization = quantize(seamless.poisson.schur, seamless.integer, rows);
   statistics["quantization"]["separation_rows"] = rows.size();
   statistics["quantization"]["violated_rows"] = quantization.violated_rows;
@@ -205,7 +191,8 @@ Quantization quantize_to_target(const Problem& problem, const MapSystem& system,
 }  // namespace
 
 Parametrization parametrize(const TriangleMesh& mesh, const std::vector<std::array<double, 6>>& crosses,
-                            const std::vector<double>& sizing, const ParametrizeOptions& options, Json& statistics) {
+                            const std::vector<double>& sizing, const ParametrizeOptions& options,
+                            Json& statistics) {
   StepClock clock(statistics);
   CrossSurface surface = build_surface(mesh, crosses, sizing, statistics);
   double edge_length = options.edge_length;
@@ -227,16 +214,14 @@ Parametrization parametrize(const TriangleMesh& mesh, const std::vector<std::arr
   statistics["seamless"]["folds_poisson"] = stiffening.folds_before;
   statistics["seamless"]["folds_stiffened"] = stiffening.folds_after;
   clock.finish("poisson", 0.4);
-  diagnose("poisson", problem, free_system, seamless.real, seamless.integer);
 
   if (stiffening.folds_before > 0) {
     UntangleOptions untangle_options;
     untangle_options.polish = options.seamless_polish;
-    statistics["seamless"]["untangling"] =
-        untangle_json(untangle(free_system, seamless.shapes, untangle_options, seamless.real, seamless.integer));
+    statistics["seamless"]["untangling"] = untangle_json(
+        untangle(free_system, seamless.shapes, untangle_options, seamless.real, seamless.integer));
   }
   clock.finish("seamless_untangling", 0.6);
-  diagnose("seamless", problem, free_system, seamless.real, seamless.integer);
 
   seamless.poisson = poisson_system(problem.variables, free_system, seamless.shapes, seamless.stiffness);
   const Quantization quantization = quantize_to_target(problem, free_system, seamless, options, statistics);
@@ -245,34 +230,9 @@ Parametrization parametrize(const TriangleMesh& mesh, const std::vector<std::arr
   MapSystem system(problem.variables, count, false);
   Eigen::VectorXd integer = quantization.values;
   Eigen::VectorXd real = seamless.moved_to(integer);
-  diagnose("rounded", problem, system, real, integer);
-  statistics["integer_grid"] = untangle_json(untangle(system, seamless.shapes, UntangleOptions{}, real, integer));
+  statistics["integer_grid"] =
+      untangle_json(untangle(system, seamless.shapes, UntangleOptions{}, real, integer));
   clock.finish("untangling", 0.9);
-  std::set<int> printed;
-  for (int f : folded_triangles(system, seamless.shapes, real, integer)) {
-    for (int start = 3*f; start < 3*f+3; ++start) { const int v0=problem.surface.from(start);
-     if (!problem.singular[size_t(v0)] || !printed.insert(v0).second) continue;
-     std::fprintf(stderr, "around %d:\n", v0);
-     struct St{int f; int rot; Eigen::Vector2d ta,tb;};
-     auto R=[](Eigen::Vector2d x,int t){t&=3; for(int i=0;i<t;++i) x=Eigen::Vector2d(-x[1],x[0]); return x;};
-     std::vector<St> q{{start/3,0,{0,0},{0,0}}}; std::set<int> seen{start/3}; std::set<int> sv;
-     auto P=[&](int h,bool fin){ Vector6 x=fin?system.corner_parameters(h/3,real,integer):free_system.corner_parameters(h/3,seamless.real,seamless.integer); int i=h%3; return Eigen::Vector2d(x[2*i],x[2*i+1]);};
-     Eigen::Vector2d oa=P(start,false), ob=P(start,true);
-     for(size_t qi=0;qi<q.size()&&qi<2000;++qi){ St st=q[qi];
-       for(int h=3*st.f;h<3*st.f+3;++h){ Eigen::Vector2d a=R(P(h,false),st.rot)+st.ta-oa,b=R(P(h,true),st.rot)+st.tb-ob;
-         if(a.cwiseAbs().maxCoeff()<3 && problem.singular[size_t(problem.surface.from(h))] && sv.insert(problem.surface.from(h)).second) std::fprintf(stderr,"   singular %d seamless %.2f %.2f -> %.2f %.2f\n",problem.surface.from(h),a[0],a[1],b[0],b[1]);
-         if(problem.surface.is_feature(h)){ Eigen::Vector2d a2=R(P(CrossSurface::next(h),false),st.rot)+st.ta-oa,b2=R(P(CrossSurface::next(h),true),st.rot)+st.tb-ob; if(a.cwiseAbs().maxCoeff()<3) std::fprintf(stderr,"   feature seamless %.2f %.2f .. %.2f %.2f -> %.2f %.2f .. %.2f %.2f\n",a[0],a[1],a2[0],a2[1],b[0],b[1],b2[0],b2[1]); continue;}
-         int o=problem.surface.twin(h); if(o<0||seen.count(o/3)) continue; if(a.cwiseAbs().maxCoeff()>3) continue; seen.insert(o/3);
-         int rot=(st.rot - problem.surface.matching[size_t(h)])&3; St n{o/3,rot,{0,0},{0,0}};
-         n.ta=R(P(h,false),st.rot)+st.ta-R(P(CrossSurface::next(o),false),rot); n.tb=R(P(h,true),st.rot)+st.tb-R(P(CrossSurface::next(o),true),rot); q.push_back(n);} }
-    }
-    const Vector6 x = system.corner_parameters(f, real, integer);
-    const Vector6 y = free_system.corner_parameters(f, seamless.real, seamless.integer);
-    std::fprintf(stderr, "fold %d (src %d)\n", f, problem.surface.source[size_t(f)]);
-    for (int i = 0; i < 3; ++i) { const int h=3*f+i; const int v=problem.surface.from(h);
-      std::fprintf(stderr, "   v %d sing %d feat %d len/h %.2f  seamless %.3f %.3f -> %.3f %.3f\n", v, problem.singular[size_t(v)], problem.surface.is_feature(h), problem.surface.along(h).norm()/edge_length, y[2*i],y[2*i+1],x[2*i],x[2*i+1]); }
-  }
-  diagnose("igm", problem, system, real, integer);
 
   const FixedPointMap fixed = fixed_point_map(problem.variables, real, integer);
   Parametrization out{quad_map(problem.surface, problem.variables, problem.graph, fixed, integer),

@@ -18,7 +18,7 @@ struct ParametrizeOptions {
   double longest_edge = 3;        // triangles with longer edges (in target edge lengths) are split
   double separation_reach = 1.5;  // cells around critical vertices in which they are kept apart
   int stiffening_rounds = 10;
-  int seamless_polish = 4;        // Newton steps on a seamless map that had to be stiffened
+  int seamless_polish = 4;  // Newton steps on a seamless map that had to be stiffened
   FeatureOptions features;
 };
 
@@ -28,10 +28,11 @@ struct Parametrization {
   MapCheck check;
 };
 
-// crosses: per triangle two tangent vectors (6 numbers); sizing: per vertex a factor on the edge length, or empty.
-// Raises InputError for input that cannot be used and StageError where a step fails; statistics are filled as the
-// steps go.
+// crosses: per triangle two tangent vectors (6 numbers); sizing: per vertex a factor on the edge length, or
+// empty. Raises InputError for input that cannot be used and StageError where a step fails; statistics are
+// filled as the steps go.
 Parametrization parametrize(const TriangleMesh& mesh, const std::vector<std::array<double, 6>>& crosses,
-                            const std::vector<double>& sizing, const ParametrizeOptions& options, Json& statistics);
+                            const std::vector<double>& sizing, const ParametrizeOptions& options,
+                            Json& statistics);
 
 }  // namespace neurframe

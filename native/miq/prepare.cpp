@@ -84,8 +84,8 @@ void split_at_centroid(CrossSurface& surface, int f) {
   append(surface, f, {{c, a, middle}, {whole.feature[2], 0, 0}, {whole.matching[2], 0, 0}});
 }
 
-// Splits, longest first, edges that pass `wanted` (asked of the larger half-edge), none of whose triangles has been
-// touched before.
+// Splits, longest first, edges that pass `wanted` (asked of the larger half-edge), none of whose triangles
+// has been touched before.
 template <class Wanted>
 int split_independent_edges(CrossSurface& surface, const Wanted& wanted) {
   std::vector<std::pair<double, int>> edges;
@@ -117,7 +117,8 @@ int split_all_edges(CrossSurface& surface, const Wanted& wanted) {
 std::vector<char> feature_vertices(const CrossSurface& surface) {
   std::vector<char> on(surface.positions.size(), 0);
   for (int h = 0; h < surface.half_edge_count(); ++h) {
-    if (surface.is_feature(h)) on[static_cast<size_t>(surface.from(h))] = on[static_cast<size_t>(surface.to(h))] = 1;
+    if (surface.is_feature(h))
+      on[static_cast<size_t>(surface.from(h))] = on[static_cast<size_t>(surface.to(h))] = 1;
   }
   return on;
 }
@@ -163,7 +164,8 @@ void mark_features(CrossSurface& surface, const FeatureOptions& options) {
   for (int h = 0; h < surface.half_edge_count(); ++h) {
     const int o = surface.twin(h);
     const bool sharp = o >= 0 && !options.given && surface.normal(h / 3).dot(surface.normal(o / 3)) < cosine;
-    const bool listed = pairs.count({surface.from(h), surface.to(h)}) || pairs.count({surface.to(h), surface.from(h)});
+    const bool listed =
+        pairs.count({surface.from(h), surface.to(h)}) || pairs.count({surface.to(h), surface.from(h)});
     if (o < 0 || sharp || listed) set_feature(surface, h, 1);
   }
   if (!options.given) drop_short_lines(surface, options.shortest_line);
@@ -177,7 +179,8 @@ int split_around_features(CrossSurface& surface) {
   int splits = 0;
   const int before = surface.triangle_count();
   for (int f = 0; f < before; ++f) {
-    if (surface.is_feature(3 * f) + surface.is_feature(3 * f + 1) + surface.is_feature(3 * f + 2) < 2) continue;
+    if (surface.is_feature(3 * f) + surface.is_feature(3 * f + 1) + surface.is_feature(3 * f + 2) < 2)
+      continue;
     split_at_centroid(surface, f);
     ++splits;
   }

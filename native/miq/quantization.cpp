@@ -14,7 +14,8 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 // Successive conditioning of a quadratic programme with rows on integer values of its variables.
 class ConditionalProgramme {
  public:
-  ConditionalProgramme(const Eigen::MatrixXd& schur, const Eigen::VectorXd& target, const Eigen::MatrixXd& rows)
+  ConditionalProgramme(const Eigen::MatrixXd& schur, const Eigen::VectorXd& target,
+                       const Eigen::MatrixXd& rows)
       : covariance_(schur.llt().solve(Eigen::MatrixXd::Identity(schur.rows(), schur.cols()))),
         rows_(rows),
         unconstrained_(target),

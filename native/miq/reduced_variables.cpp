@@ -13,7 +13,9 @@ namespace {
 class Reduction {
  public:
   Reduction(const CrossSurface& surface, const CutGraph& graph)
-      : surface_(surface), sector_(corner_sectors(surface, graph.seam, sector_count_)), relations_(2 * sector_count_, integers_) {}
+      : surface_(surface),
+        sector_(corner_sectors(surface, graph.seam, sector_count_)),
+        relations_(2 * sector_count_, integers_) {}
 
   void impose_seams(const CutGraph& graph);
   void impose_features();
@@ -22,7 +24,9 @@ class Reduction {
   ReducedVariables result(const CutGraph& graph);
 
  private:
-  int variable(int corner, int parameter) const { return 2 * sector_[static_cast<size_t>(corner)] + parameter; }
+  int variable(int corner, int parameter) const {
+    return 2 * sector_[static_cast<size_t>(corner)] + parameter;
+  }
   void glue(int left_corner, int right_corner, int turns, const std::array<int, 2>& translation);
   std::vector<std::pair<int, int>> integer_terms(const IntegerCombination& combination);
   static void require(bool possible) {
@@ -46,7 +50,8 @@ void Reduction::glue(int left_corner, int right_corner, int turns, const std::ar
   constexpr std::array<int, 4> kSignV{1, 1, -1, -1};
   const auto t = static_cast<size_t>(turns);
   const int swap = turns & 1;
-  require(relations_.relate(variable(right_corner, 0), variable(left_corner, swap), kSignU[t], symbol(translation[0])));
+  require(relations_.relate(variable(right_corner, 0), variable(left_corner, swap), kSignU[t],
+                            symbol(translation[0])));
   require(relations_.relate(variable(right_corner, 1), variable(left_corner, 1 - swap), kSignV[t],
                             symbol(translation[1])));
 }
@@ -82,8 +87,8 @@ void Reduction::impose_singular(const std::vector<char>& singular) {
   }
 }
 
-// A chart may move by integers without any change of the map: the first integer u and the first integer v of each
-// component are set to zero, or the first real one where nothing is integer.
+// A chart may move by integers without any change of the map: the first integer u and the first integer v of
+// each component are set to zero, or the first real one where nothing is integer.
 void Reduction::fix_translations() {
   std::vector<char> reached(surface_.triangles.size(), 0);
   for (int root = 0; root < surface_.triangle_count(); ++root) {
@@ -115,7 +120,8 @@ std::vector<std::pair<int, int>> Reduction::integer_terms(const IntegerCombinati
   std::vector<std::pair<int, int>> terms;
   for (const auto& [free_symbol, coefficient] : integers_.resolve(combination).terms) {
     const int fresh = static_cast<int>(integer_index_.size());
-    terms.emplace_back(integer_index_.emplace(free_symbol, fresh).first->second, static_cast<int>(coefficient));
+    terms.emplace_back(integer_index_.emplace(free_symbol, fresh).first->second,
+                       static_cast<int>(coefficient));
   }
   return terms;
 }
@@ -139,7 +145,8 @@ ReducedVariables Reduction::result(const CutGraph& graph) {
     transition.turns = surface_.matching[static_cast<size_t>(graph.branches[b].half_edges.front())];
     for (size_t k = 0; k < 2; ++k) transition.translation[k] = integer_terms(symbol(translation_[b][k]));
     out.transitions.push_back(std::move(transition));
-    for (const int h : graph.branches[b].half_edges) out.branch_of[static_cast<size_t>(h)] = static_cast<int>(b);
+    for (const int h : graph.branches[b].half_edges)
+      out.branch_of[static_cast<size_t>(h)] = static_cast<int>(b);
   }
   out.sector = sector_;
   out.real_count = static_cast<int>(real_index.size());

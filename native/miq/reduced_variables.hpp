@@ -1,4 +1,5 @@
-// The unknowns of a seamless integer-grid map, with every seam, feature and singularity condition substituted.
+// The unknowns of a seamless integer-grid map, with every seam, feature and singularity condition
+// substituted.
 #pragma once
 
 #include <utility>
@@ -25,16 +26,16 @@ struct SeamTransition {
 struct ReducedVariables {
   std::vector<int> sector;                     // per corner
   std::vector<ReducedCoordinate> coordinates;  // u of sector s at 2 s, v at 2 s + 1
-  std::vector<int> branch_of;                  // per half-edge: seam branch that it belongs to on its left, or -1
-  std::vector<SeamTransition> transitions;     // per branch
+  std::vector<int> branch_of;  // per half-edge: seam branch that it belongs to on its left, or -1
+  std::vector<SeamTransition> transitions;  // per branch
   int real_count = 0;
   int integer_count = 0;
 };
 
-// Substitutes, by signed union-find with exact integer offsets, per seam branch a transition with the matching's
-// rotation and an unknown integer translation, per feature edge one constant integer parameter, per singular
-// vertex an integer point, and per component one point that fixes the translation of the whole.  Bommes et al.
-// 2009, section 5.  Raises StageError if no integers satisfy the conditions.
+// Substitutes, by signed union-find with exact integer offsets, per seam branch a transition with the
+// matching's rotation and an unknown integer translation, per feature edge one constant integer parameter,
+// per singular vertex an integer point, and per component one point that fixes the translation of the whole.
+// Bommes et al. 2009, section 5.  Raises StageError if no integers satisfy the conditions.
 ReducedVariables reduce_variables(const CrossSurface& surface, const CutGraph& graph,
                                   const std::vector<char>& singular);
 

@@ -57,11 +57,10 @@ void shift_matching(CrossSurface& surface, int h) {
   back = (back + 1) & 3;
 }
 
-// Breadth-first search from the sector over closed vertices to one that passes `accept`; the half-edges of the
-// path run towards the sector.  Empty if there is none within `reach` edges.
+// Breadth-first search from the sector over closed vertices to one that passes `accept`; the half-edges of
+// the path run towards the sector.  Empty if there is none within `reach` edges.
 template <class Accept>
-std::vector<int> path_to_donor(SectorBudget& budget, const Sector& sector, int reach,
-                               const Accept& accept) {
+std::vector<int> path_to_donor(SectorBudget& budget, const Sector& sector, int reach, const Accept& accept) {
   struct Step {
     int half_edge, previous, depth;
   };
@@ -83,7 +82,8 @@ std::vector<int> path_to_donor(SectorBudget& budget, const Sector& sector, int r
       }
       return path;
     }
-    if (candidate.closed && steps[i].depth < reach) expand(candidate, static_cast<int>(i), steps[i].depth + 1);
+    if (candidate.closed && steps[i].depth < reach)
+      expand(candidate, static_cast<int>(i), steps[i].depth + 1);
   }
   return {};
 }
@@ -97,8 +97,8 @@ int repair_sectors(CrossSurface& surface, std::vector<Sector>& sectors, int clos
   int shifted = 0;
   for (Sector& sector : sectors) {
     while (budget.need(sector) > 0) {
-      std::vector<int> path = path_to_donor(budget, sector, kDonorReach,
-                                            [&](const Sector& s) { return budget.is_donor(s); });
+      std::vector<int> path =
+          path_to_donor(budget, sector, kDonorReach, [&](const Sector& s) { return budget.is_donor(s); });
       if (path.empty()) {
         path = path_to_donor(budget, sector, kFarReach,
                              [&](const Sector& s) { return s.closed && budget.can_spare(s); });

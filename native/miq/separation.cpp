@@ -10,14 +10,20 @@ namespace {
 
 using Vector2d = Eigen::Vector2d;
 
-double cross(const Vector2d& a, const Vector2d& b) { return a[0] * b[1] - a[1] * b[0]; }
+double cross(const Vector2d& a, const Vector2d& b) {
+  return a[0] * b[1] - a[1] * b[0];
+}
 
 Vector2d turned(const Vector2d& x, int turns) {
   switch (turns & 3) {
-    case 0: return x;
-    case 1: return {-x[1], x[0]};
-    case 2: return -x;
-    default: return {x[1], -x[0]};
+    case 0:
+      return x;
+    case 1:
+      return {-x[1], x[0]};
+    case 2:
+      return -x;
+    default:
+      return {x[1], -x[0]};
   }
 }
 
@@ -25,10 +31,14 @@ using SymbolicPoint = std::array<IntegerCombination, 2>;
 
 SymbolicPoint turned(const SymbolicPoint& x, int turns) {
   switch (turns & 3) {
-    case 0: return x;
-    case 1: return {scaled(x[1], -1), x[0]};
-    case 2: return {scaled(x[0], -1), scaled(x[1], -1)};
-    default: return {x[1], scaled(x[0], -1)};
+    case 0:
+      return x;
+    case 1:
+      return {scaled(x[1], -1), x[0]};
+    case 2:
+      return {scaled(x[0], -1), scaled(x[1], -1)};
+    default:
+      return {x[1], scaled(x[0], -1)};
   }
 }
 
@@ -115,7 +125,8 @@ int Sight::cross_edge(int h, int chart_id) {
   const int right_branch = variables_.branch_of[static_cast<size_t>(surface_.twin(h))];
   if (left_branch < 0 && right_branch < 0) return chart_id;
   const Chart chart = charts_[static_cast<size_t>(chart_id)];
-  const SeamTransition& seam = variables_.transitions[static_cast<size_t>(std::max(left_branch, right_branch))];
+  const SeamTransition& seam =
+      variables_.transitions[static_cast<size_t>(std::max(left_branch, right_branch))];
   const SymbolicPoint translation{combination(seam.translation[0]), combination(seam.translation[1])};
   Chart next;
   // right = R left + t.  Going left to right we need left in terms of right: R^-1 (right - t).
@@ -155,7 +166,9 @@ void Sight::see_feature(const Window& window) {
   const double distance = at[k];
   if (std::abs(distance) > reach_ || !is_integer(source_, k)) return;
   // along the line, the visible part runs from one ray to the other
-  const auto along = [&](const Vector2d& ray) { return ray[k] == 0 ? INFINITY : ray[1 - k] / ray[k] * distance; };
+  const auto along = [&](const Vector2d& ray) {
+    return ray[k] == 0 ? INFINITY : ray[1 - k] / ray[k] * distance;
+  };
   const double low = std::min(along(window.right), along(window.left));
   const double high = std::max(along(window.right), along(window.left));
   if (low > std::abs(distance) || high < -std::abs(distance)) return;
@@ -174,7 +187,8 @@ void Sight::advance(const Window& window) {
   const Vector2d top = place(apex, chart);
   if (cross(left - top, right - top) <= 0) return;
   if (cross(window.right, top) >= 0 && cross(top, window.left) >= 0) see_vertex(apex, chart);
-  const auto push = [&](int edge, const Vector2d& low, const Vector2d& high, const Vector2d& a, const Vector2d& b) {
+  const auto push = [&](int edge, const Vector2d& low, const Vector2d& high, const Vector2d& a,
+                        const Vector2d& b) {
     if (cross(low, high) <= 0) return;
     if (std::min(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff()) > 4 * reach_) return;
     stack_.push_back({edge, chart_id, low, high});
@@ -234,11 +248,13 @@ void Sight::follow_feature(int h) {
 
 std::vector<SeparationRow> separation_rows(const CrossSurface& surface, const ReducedVariables& variables,
                                            const std::vector<char>& singular, const MapSystem& system,
-                                           const Eigen::VectorXd& real, const Eigen::VectorXd& integer, double reach) {
+                                           const Eigen::VectorXd& real, const Eigen::VectorXd& integer,
+                                           double reach) {
   Sight sight(surface, variables, singular, system, real, integer, reach);
   std::vector<char> source(singular);
   for (int h = 0; h < surface.half_edge_count(); ++h) {
-    if (surface.is_feature(h)) source[static_cast<size_t>(surface.from(h))] = source[static_cast<size_t>(surface.to(h))] = 1;
+    if (surface.is_feature(h))
+      source[static_cast<size_t>(surface.from(h))] = source[static_cast<size_t>(surface.to(h))] = 1;
   }
   for (int h = 0; h < surface.half_edge_count(); ++h) {
     const auto v = static_cast<size_t>(surface.from(h));

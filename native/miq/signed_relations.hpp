@@ -1,4 +1,5 @@
-// Real variables tied to one another by x_i = +-x_j + integers: union-find with sign and exact integer offset.
+// Real variables tied to one another by x_i = +-x_j + integers: union-find with sign and exact integer
+// offset.
 #pragma once
 
 #include <cstddef>
@@ -15,8 +16,9 @@ struct SignedAffine {
   IntegerCombination offset;
 };
 
-// Every relation is a signed permutation plus integers, so the substitution is exact and there is no fill-in and
-// no elimination of floats.  Cycles of relations leave equations between integers, which are solved exactly.
+// Every relation is a signed permutation plus integers, so the substitution is exact and there is no fill-in
+// and no elimination of floats.  Cycles of relations leave equations between integers, which are solved
+// exactly.
 class SignedRelations {
  public:
   SignedRelations(int variable_count, IntegerEquations& integers);
@@ -34,7 +36,8 @@ class SignedRelations {
   SignedAffine find(int i);
 
  private:
-  bool attach(const SignedAffine& child, const SignedAffine& parent, int sign, const IntegerCombination& offset);
+  bool attach(const SignedAffine& child, const SignedAffine& parent, int sign,
+              const IntegerCombination& offset);
 
   IntegerEquations& integers_;
   std::vector<SignedAffine> parent_;

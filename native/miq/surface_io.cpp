@@ -21,11 +21,13 @@ Triangle read_triangle(TextReader& reader, std::size_t vertices) {
     }
     const long resolved = index > 0 ? index - 1L : static_cast<long>(vertices) + index;
     if (index == 0 || resolved < 0 || resolved >= static_cast<long>(vertices)) {
-      reader.fail("vertex " + std::to_string(index) + ", but " + std::to_string(vertices) + " are defined so far");
+      reader.fail("vertex " + std::to_string(index) + ", but " + std::to_string(vertices) +
+                  " are defined so far");
     }
     corner = static_cast<int>(resolved);
   }
-  if (!reader.at_line_end()) reader.fail("a face with more than three corners; triangulate the surface first");
+  if (!reader.at_line_end())
+    reader.fail("a face with more than three corners; triangulate the surface first");
   return triangle;
 }
 

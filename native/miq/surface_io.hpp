@@ -10,12 +10,12 @@
 
 namespace neurframe {
 
-// Vertices and triangles of an OBJ file; corners may carry /vt/vn, which are ignored.  Raises InputError for other
-// polygons and for a file without triangles.
+// Vertices and triangles of an OBJ file; corners may carry /vt/vn, which are ignored.  Raises InputError for
+// other polygons and for a file without triangles.
 TriangleMesh read_surface_obj(const std::string& path);
 
-// Two tangent vectors per triangle: 6 numbers a line, or a .rosy file (count, 4, then one vector a line), whose
-// second vector is left zero.  Raises InputError unless there is one per triangle.
+// Two tangent vectors per triangle: 6 numbers a line, or a .rosy file (count, 4, then one vector a line),
+// whose second vector is left zero.  Raises InputError unless there is one per triangle.
 std::vector<std::array<double, 6>> read_crosses(const std::string& path, const TriangleMesh& mesh);
 
 std::vector<std::pair<int, int>> read_vertex_pairs(const std::string& path, std::size_t vertices);

@@ -14,7 +14,9 @@ double determinant(const Eigen::Vector4d& jacobian) {
   return jacobian[0] * jacobian[3] - jacobian[1] * jacobian[2];
 }
 
-Eigen::Vector4d cofactors(const Eigen::Vector4d& j) { return {j[3], -j[2], -j[1], j[0]}; }
+Eigen::Vector4d cofactors(const Eigen::Vector4d& j) {
+  return {j[3], -j[2], -j[1], j[0]};
+}
 
 // Energy density as shape(|J|^2) / chi(D) + w (D^2 + 1) / chi(D), with derivatives in D.
 struct Barrier {
@@ -42,7 +44,11 @@ Barrier barrier_at(double d, double epsilon) {
 class FoldoverEnergy {
  public:
   FoldoverEnergy(MapSystem& system, const TriangleShapes& shapes, const UntangleOptions& options)
-      : system_(system), shapes_(shapes), options_(options), hessians_(shapes.weight.size()), gradients_(shapes.weight.size()) {}
+      : system_(system),
+        shapes_(shapes),
+        options_(options),
+        hessians_(shapes.weight.size()),
+        gradients_(shapes.weight.size()) {}
 
   // total energy; the least determinant and the number of folds are kept beside it
   double value(const Eigen::VectorXd& real, const Eigen::VectorXd& integer, double epsilon) {
