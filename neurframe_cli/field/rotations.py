@@ -17,6 +17,15 @@ def exponential(w: Floats) -> Floats:
     return np.asarray(np.eye(3) + a * K + b * (K @ K))
 
 
+def random_rotations(count: int, rng: np.random.Generator) -> Floats:
+    """Uniformly distributed rotation matrices (count,3,3): of normally distributed, then unit, quaternions."""
+    q = rng.normal(size=(count, 4))
+    q /= np.linalg.norm(q, axis=1, keepdims=True)
+    w, v = q[:, 0, None, None], q[:, 1:]
+    K = cross_matrix(v)
+    return np.asarray(np.eye(3) + 2 * w * K + 2 * (K @ K))
+
+
 def cross_matrix(w: Floats) -> Floats:
     """[w]x with [w]x v = w x v: (n,3) -> (n,3,3)."""
     K = np.zeros((len(w), 3, 3))

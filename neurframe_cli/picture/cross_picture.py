@@ -12,7 +12,7 @@ from neurframe_cli.picture.field_data import FieldData
 from neurframe_cli.picture.scene import FEATURE_COLOR, Scene, polydata, spread_sample
 
 # crosses along the longest side of the bounding box
-CELLS = 60
+CELLS = 50
 # a stroke is coloured by the mixture of these that its direction is of x, y and z
 AXIS_COLORS = np.array([[200, 55, 45], [40, 130, 60], [40, 80, 190]])
 
@@ -27,9 +27,14 @@ def draw_crosses(path: Path, data: FieldData) -> None:
     mesh = polydata(ends, lines=segments)
     mesh.cell_data["color"] = colors
     scene.plotter.add_mesh(mesh, scalars="color", rgb=True, line_width=3.0, lighting=False)
+    label_axes(scene)
+    scene.save(path)
+
+
+def label_axes(scene: Scene) -> None:
+    """The legend of colours by direction."""
     for name, color in zip("xyz", AXIS_COLORS, strict=True):
         scene.label("#{:02x}{:02x}{:02x}".format(*color), f"along {name}")
-    scene.save(path)
 
 
 def _strokes(data: FieldData) -> tuple[Floats, Floats]:

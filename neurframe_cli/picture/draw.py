@@ -18,7 +18,7 @@ from neurframe_cli.picture.field_data import FieldData
 from neurframe_cli.process.run_child import run_child
 
 # the pictures that can be asked for
-PICTURES = ("crosses", "singular", "frames", "tets")
+PICTURES = ("crosses", "singular", "frames", "tets", "singularities", "streamlines")
 TIMEOUT_S = 600.0
 # how VTK finds a place to draw in
 _DISPLAY_VARIABLES = ("DISPLAY", "XAUTHORITY", "XDG_RUNTIME_DIR", "VTK_DEFAULT_OPENGL_WINDOW")

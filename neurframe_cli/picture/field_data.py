@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,9 @@ class FieldData:
     """A field on tets and on a surface.
 
     crosses (m,2,3) on the surface; frames (q,3,3) on the tets, axes as columns; feature_edges (k,2) and
-    singular_edges (s,2): vertex pairs of the tets; quarters (s,) as in SingularEdges.
+    singular_edges (s,2): vertex pairs of the tets; quarters (s,) as in SingularEdges.  Where there are such:
+    singular_points (p,3) of the continuous field with point_quarters (p,), and streamlines, one after the other,
+    streamline i being streamline_points[streamline_offsets[i]:streamline_offsets[i+1]].
     """
 
     surface: Surface
@@ -26,6 +28,10 @@ class FieldData:
     feature_edges: Ints
     singular_edges: Ints
     quarters: Ints
+    singular_points: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    point_quarters: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    streamline_points: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    streamline_offsets: Ints = field(default_factory=lambda: np.zeros(1, np.int64))
 
     def save(self, path: Path) -> None:
         """As .npz."""

@@ -22,4 +22,4 @@ def write_png(path: Path, image: Any, legend: Sequence[tuple[str, str]]) -> None
         box = (_MARGIN_PIXELS, y, _MARGIN_PIXELS + _FONT_PIXELS, y + _FONT_PIXELS)
         pen.rectangle(box, fill=color, outline=TEXT_COLOR)
         pen.text((box[2] + 12, (box[1] + box[3]) / 2), text, fill=TEXT_COLOR, font=font, anchor="lm")
-    page.save(path, format="PNG", optimize=True)
+    page.save(path, format="PNG")
