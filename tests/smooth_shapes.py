@@ -166,6 +166,20 @@ def patch_quads(n: int = 12, surface_n: int = 17) -> Shape:
     return Shape(saddle(n), grid_quads(n, n)[:, ::-1].copy(), surface, Features())
 
 
+def bump_quads(n: int = 10, surface_n: int = 40) -> Shape:
+    """Plate with a bump, the quads finer on the bump."""
+
+    def plate(t: Floats) -> Floats:
+        x, y = (a.ravel() for a in np.meshgrid(t, t, indexing="ij"))
+        return np.stack([x, y, 0.4 * np.exp(-12 * (x**2 + y**2))], axis=1)
+
+    t = np.linspace(-1.0, 1.0, n + 1)
+    surface_V = plate(np.linspace(-1.0, 1.0, surface_n + 1))
+    surface = Surface(surface_V, triangulated(grid_quads(surface_n, surface_n)[:, ::-1]))
+    V = plate(np.sign(t) * np.abs(t) ** 1.5)
+    return Shape(V, grid_quads(n, n)[:, ::-1].copy(), surface, Features())
+
+
 def jitter(V: Floats, amount: float, seed: int) -> Floats:
     """V moved by up to `amount` in every coordinate."""
     return V + amount * np.random.default_rng(seed).uniform(-1.0, 1.0, V.shape)

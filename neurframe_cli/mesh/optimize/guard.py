@@ -30,7 +30,8 @@ def guarded_step(
     """Positions between old and new (n,3) that harm nothing.
 
     harmed(x) names the vertices (k,) whose steps do harm, none at `old`; they take a half, a quarter, then none of
-    their step, until none is named.  Where it helps no more to hold back the named ones, all are held back.
+    their step, until none is named.  Where it helps no more to hold back the named ones, all are held back, so that
+    this ends; the last x that harmed() saw is the one that is returned.
     """
     x, level = new, np.zeros(len(old), np.int64)
     while len(vertices := harmed(x)):

@@ -96,17 +96,19 @@ class Improver:
     def guarded(self, old: State, new: Floats, harmed: Harmed | None = None) -> State:
         """As near to `new` as every cell allows that may not fall below what `old` permits, and as `harmed` allows:
         the vertices (k,) whose steps do some other harm."""
-        outside, allowed = self._outside(new), least_allowed(old.quality)
+        allowed = least_allowed(old.quality)
+        states: list[State] = []
 
         def project(x: Floats) -> Floats:
             return self.constraints.project(x).points
 
         def all_harmed(x: Floats) -> Ints:
-            vertices = np.unique(self.cells[self._quality(x, outside) < allowed])
+            states[:] = [self._state(x)]
+            vertices = np.unique(self.cells[states[0].quality < allowed])
             return harmed(x) if len(vertices) == 0 and harmed is not None else vertices
 
-        x = guarded_step(old.x, new, all_harmed, project)
-        return State(x, outside, self._quality(x, outside))
+        guarded_step(old.x, new, all_harmed, project)
+        return states[0]
 
     def _relaxed(self, foot: Foot, outside: Floats | None, power: float) -> tuple[Foot, float]:
         """Some steps down the energy in the tangent spaces at `foot`, projected; the decrease a corner."""

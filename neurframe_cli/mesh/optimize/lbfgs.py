@@ -12,8 +12,8 @@ from neurframe_cli.mesh.arrays import Floats
 
 # energy and gradient at x, both of x's shape; the energy may be inf, the gradient is then not used
 Energy = Callable[[Floats], tuple[float, Floats]]
-SUFFICIENT_DECREASE = 1e-4
-MAX_HALVINGS = 20
+SUFFICIENT_DECREASE, SLOPE_LEFT = 1e-4, 0.9  # the two Wolfe conditions
+MAX_TRIALS = 25
 
 
 @dataclass(frozen=True)
@@ -70,14 +70,24 @@ def _inverse_hessian_product(
 def _line_search(
     energy: Energy, x: Floats, value: float, gradient: Floats, direction: Floats
 ) -> tuple[Floats, float, Floats] | None:
-    """First of the steps 1, 1/2, 1/4, ... with a sufficient decrease, or None."""
+    """A step with the weak Wolfe conditions by bisection (Lewis & Overton 2013), or the last that decreases, or None.
+
+    Trials beyond the domain, where the energy is inf, count as too long.
+    """
     slope = float(np.vdot(gradient, direction))
     if slope >= 0.0:
         return None
-    t = 1.0
-    for _ in range(MAX_HALVINGS):
-        new_value, new_gradient = energy(x + t * direction)
-        if new_value <= value + SUFFICIENT_DECREASE * t * slope:
-            return x + t * direction, new_value, new_gradient
-        t /= 2
-    return None
+    t, short, long = 1.0, 0.0, np.inf
+    found = None
+    for _ in range(MAX_TRIALS):
+        new = x + t * direction
+        new_value, new_gradient = energy(new)
+        if not new_value <= value + SUFFICIENT_DECREASE * t * slope:
+            long = t
+        else:
+            found = new, new_value, new_gradient
+            if float(np.vdot(new_gradient, direction)) >= SLOPE_LEFT * slope:
+                break
+            short = t
+        t = 2 * short if long == np.inf else (short + long) / 2
+    return found

@@ -81,6 +81,9 @@ def smooth_cells(
         return np.unique(faces[probe.worst_by_face(x) > limit])
 
     final = improver.guarded(improver.first, improved.x, too_far)
+    if not final.better_than(improver.first):
+        final = improver.first  # what is left of the way leads nowhere
+    progress(1.0, f"worst {final.quality.min():.3f}, mean {final.quality.mean():.3f}")
     report = SmoothReport(
         before=_numbers(improver.first, distances, diagonal),
         after=_numbers(final, probe.worst_by_face(final.x), diagonal),

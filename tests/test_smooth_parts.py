@@ -1,0 +1,199 @@
+"""Parts of the smoother against closed forms: closest points, energy, L-BFGS, feature matching, guard."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from smooth_shapes import cube_hexes, cylinder_surface, disk_quads, grid_quads, jitter
+
+from neurframe_cli.mesh.arrays import Features, Floats, Surface
+from neurframe_cli.mesh.features import features_by_angle
+from neurframe_cli.mesh.optimize.cell_kind import HEXES, QUADS, CellKind, target_lengths
+from neurframe_cli.mesh.optimize.corner_energy import CornerEnergy, EnergyWeights
+from neurframe_cli.mesh.optimize.feature_curves import FeatureCurves, feature_curves
+from neurframe_cli.mesh.optimize.guard import guarded_step, least_allowed
+from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise
+from neurframe_cli.mesh.optimize.match_curves import match_features
+from neurframe_cli.mesh.optimize.patches import components_cut_by
+from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
+from neurframe_cli.mesh.quality.polygons import triangulated, unique_edges
+
+
+def test_closest_points_on_segments() -> None:
+    V = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0]])
+    tree = SimplexTree(V, np.array([[0, 1], [1, 2]]))
+    foot = tree.closest(np.array([[0.25, -1.0, 0], [2, 0.5, 0], [1.5, -0.5, 0]]))
+    np.testing.assert_allclose(foot.points, [[0.25, 0, 0], [1, 0.5, 0], [1, 0, 0]])
+    diagonal = np.array([1.0, 1.0, 0.0]) / np.sqrt(2)
+    np.testing.assert_allclose(foot.directions[2], diagonal, atol=1e-12)  # between both segments' tangents
+
+
+def test_closest_points_interpolate_normals() -> None:
+    surface = cylinder_surface(24)
+    side = surface.F[: 2 * 24]
+    rng = np.random.default_rng(0)
+    P = rng.normal(size=(50, 3))
+    P[:, 2] = rng.uniform(0.1, 1.9, 50)
+    foot = SimplexTree(surface.V, side).closest(P)
+    outward = foot.points[:, :2] / np.linalg.norm(foot.points[:, :2], axis=1, keepdims=True)
+    # exact at the vertices; linear interpolation over 15 degrees is off by less than a thousandth
+    np.testing.assert_allclose(foot.directions[:, :2], outward, atol=1e-3)
+    np.testing.assert_allclose(np.linalg.norm(foot.directions, axis=1), 1.0)
+
+
+def test_degenerate_triangles_have_finite_weights() -> None:
+    V = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]])
+    foot = SimplexTree(V, np.array([[0, 1, 2]])).closest(np.array([[0.5, 1.0, 0]]))
+    assert np.isfinite(foot.weights).all()
+    assert np.isfinite(foot.directions).all()
+
+
+@pytest.mark.parametrize("kind", [QUADS, HEXES])
+@pytest.mark.parametrize("weights", [EnergyWeights(0.1, 1.0, 0.0), EnergyWeights(0.3, 3.0, 0.2)])
+def test_gradient_of_the_energy(kind: CellKind, weights: EnergyWeights) -> None:
+    """Against central differences, whose error is about 1e-9 at this step."""
+    X, cells, normals = _small_mesh(kind)
+    lengths = target_lengths(X, cells, kind, 0.5, rounds=2)
+    corners = cells[:, kind.corners].reshape(-1, kind.corners.shape[1])
+    energy = CornerEnergy(len(X), corners[:, 0], corners[:, 1:], lengths.reshape(len(corners), -1))
+    rng = np.random.default_rng(1)
+    _, gradient = energy.evaluate(X, normals, weights)
+    for _ in range(5):
+        direction, step = rng.normal(size=X.shape), 1e-6
+        ahead = energy.evaluate(X + step * direction, normals, weights)[0]
+        behind = energy.evaluate(X - step * direction, normals, weights)[0]
+        assert np.vdot(gradient, direction) == pytest.approx((ahead - behind) / (2 * step), rel=1e-6)
+
+
+def _small_mesh(kind: CellKind) -> tuple[Floats, np.ndarray, Floats | None]:
+    if kind is HEXES:
+        shape = cube_hexes(2)
+        return jitter(shape.V, 0.05, 2), shape.cells, None
+    Q = grid_quads(3, 3)[:, ::-1].copy()
+    i, j = np.divmod(np.arange(16), 4)
+    X = np.stack([i, j, np.zeros(16)], axis=1).astype(float)
+    normals = np.repeat([[0.0], [0.0], [1.0]], 4 * len(Q), axis=1)
+    return jitter(X, 0.1, 2), Q, normals
+
+
+def test_the_ideal_corner_has_energy_one() -> None:
+    shape = cube_hexes(2)
+    corners = shape.cells[:, HEXES.corners].reshape(-1, 4)
+    energy = CornerEnergy(len(shape.V), corners[:, 0], corners[:, 1:], np.full((len(corners), 3), 0.5))
+    value, gradient = energy.evaluate(shape.V, None, EnergyWeights())
+    assert value == pytest.approx(len(corners))
+    np.testing.assert_allclose(gradient, 0.0, atol=1e-12)
+    assert energy.evaluate(shape.V * [1, 1, -1], None, EnergyWeights())[0] == np.inf
+
+
+def test_lbfgs_reaches_the_minimum_of_rosenbrock() -> None:
+    def rosenbrock(x: Floats) -> tuple[float, Floats]:
+        a, b = 1 - x[:, 0], x[:, 1] - x[:, 0] ** 2
+        gradient = np.stack([-2 * a - 400 * x[:, 0] * b, 200 * b, 0 * a], axis=1)
+        return float((a**2 + 100 * b**2).sum()), gradient
+
+    start = np.array([[-1.2, 1.0, 5.0]])
+    found = minimise(rosenbrock, start, np.ones((1, 1)), LbfgsOptions(iterations=200, tolerance=0.0))
+    np.testing.assert_allclose(found, [[1.0, 1.0, 5.0]], atol=1e-6)
+
+
+def test_lbfgs_stays_where_the_energy_is_finite() -> None:
+    def barrier(x: Floats) -> tuple[float, Floats]:
+        if x.min() <= 0.0:
+            return np.inf, np.zeros_like(x)
+        return float((x - np.log(x)).sum()), 1 - 1 / x
+
+    found = minimise(barrier, np.full((4, 3), 1e-3), np.ones((4, 1)), LbfgsOptions(100, tolerance=0.0))
+    np.testing.assert_allclose(found, 1.0, atol=1e-6)
+
+
+def test_feature_curves_of_a_cylinder_and_of_a_plate() -> None:
+    surface = cylinder_surface(24)
+    curves = feature_curves(surface, features_by_angle(surface.V, surface.F, 45.0))
+    assert [len(c) for c in curves.curves] == [25, 25]
+    assert len(curves.corners) == 0
+    assert not curves.on_boundary.any()
+    i, j = np.divmod(np.arange(16), 4)
+    plate = Surface(np.stack([i, j, 0 * i], axis=1).astype(float), triangulated(grid_quads(3, 3)))
+    outline = feature_curves(plate, Features())
+    assert sorted(outline.corners.tolist()) == [0, 3, 12, 15]
+    assert len(outline.curves) == 4
+    assert outline.on_boundary.all()
+
+
+def test_two_curves_closer_than_an_edge_get_paths_of_their_own() -> None:
+    """Two parallel curves 0.6 edges apart: the vertices in between are nearer to the first for one of the rows."""
+    i, j = np.divmod(np.arange(7 * 11), 11)
+    X = np.stack([j, i, 0 * i], axis=1).astype(float)
+    X[:, 1] = np.where(i == 3, 3.1, np.where(i == 4, 3.6, X[:, 1]))
+    V = np.array([[0.0, 3.0, 0], [10, 3.0, 0], [0, 3.6, 0], [10, 3.6, 0]])
+    curves = FeatureCurves(
+        (np.array([0, 1]), np.array([2, 3])), np.zeros(2, bool), np.arange(4), np.zeros(4, bool)
+    )
+    matched = match_features(V, curves, X, grid_quads(6, 10))
+    paths = {m.curve: m.path for m in matched.curves}
+    np.testing.assert_array_equal(paths[0], 3 * 11 + np.arange(11))
+    np.testing.assert_array_equal(paths[1], 4 * 11 + np.arange(11))
+
+
+def test_a_hairpin_is_followed_to_its_end() -> None:
+    """The ends of the curve are one edge apart: the short cut along that edge is no match."""
+    i, j = np.divmod(np.arange(5 * 9), 9)
+    X = np.stack([j, i, 0 * i], axis=1).astype(float)
+    V = np.array([[0.0, 1, 0], [7, 1, 0], [7, 2, 0], [0, 2, 0]])
+    curves = FeatureCurves((np.arange(4),), np.zeros(1, bool), np.array([0, 3]), np.zeros(2, bool))
+    path = match_features(V, curves, X, grid_quads(4, 8)).curves[0].path
+    np.testing.assert_array_equal(path, [*range(9, 17), *range(25, 17, -1)])
+
+
+def test_a_closed_curve_is_matched_all_the_way_round() -> None:
+    V2, Q = disk_quads(4, 3)
+    X = np.column_stack([V2, np.zeros(len(V2))])
+    angle = 2 * np.pi * np.arange(41) / 40
+    V = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)[:40]
+    loop = np.append(np.arange(40), 0)
+    curves = FeatureCurves((loop,), np.zeros(1, bool), np.zeros(0, np.int64), np.zeros(0, bool))
+    path = match_features(V, curves, X, Q).curves[0].path
+    assert path[0] == path[-1]
+    rim = np.flatnonzero(np.linalg.norm(V2, axis=1) > 1 - 1e-9)
+    np.testing.assert_array_equal(np.sort(path[:-1]), rim)
+
+
+def test_a_curve_away_from_the_mesh_is_not_matched() -> None:
+    i, j = np.divmod(np.arange(16), 4)
+    X = np.stack([j, i, 0 * i], axis=1).astype(float)
+    V = np.array([[0.0, 0, 5], [3, 0, 5]])
+    curves = FeatureCurves((np.array([0, 1]),), np.zeros(1, bool), np.arange(2), np.zeros(2, bool))
+    matched = match_features(V, curves, X, grid_quads(3, 3))
+    assert matched.curves == ()
+    assert len(matched.corners) == 0
+
+
+def test_components_between_cuts() -> None:
+    Q = grid_quads(4, 4)
+    cut = np.stack([10 + np.arange(4), 11 + np.arange(4)], axis=1)  # the middle line
+    labels = components_cut_by(Q, cut)
+    assert len(np.unique(labels)) == 2
+    assert (labels[:8] == labels[0]).all()
+    assert (labels[8:] == labels[8]).all()
+    assert len(np.unique(components_cut_by(Q, cut[:3]))) == 1  # a dangling cut separates nothing
+    assert len(unique_edges(Q)[0]) == 40
+
+
+def test_the_guard_holds_back_only_what_harms() -> None:
+    old, new = np.zeros((3, 3)), np.ones((3, 3))
+    kept = guarded_step(old, new, lambda x: np.flatnonzero(x[:, 0] * [1, 2, 9] > 1.2), lambda x: x)
+    np.testing.assert_array_equal(kept[:, 0], [1.0, 0.5, 0.0])
+
+
+def test_the_guard_ends_where_blame_is_misplaced() -> None:
+    old, new = np.zeros((3, 3)), np.ones((3, 3))
+    kept = guarded_step(
+        old, new, lambda x: np.array([0]) if x[2, 0] > 0.3 else np.array([], int), lambda x: x
+    )
+    assert kept[2, 0] <= 0.25
+
+
+def test_what_cells_may_fall_to() -> None:
+    np.testing.assert_array_equal(least_allowed(np.array([0.5, 0.2, 0.9])), [0.2, 0.2, 0.2])
+    np.testing.assert_array_equal(least_allowed(np.array([0.5, -0.2, 1e-4, -0.1])), [1e-3, -0.2, 1e-4, -0.2])
