@@ -1,12 +1,12 @@
 // From traced cells to hexes over vertex numbers, and an account of the cells that gave none.
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <string>
 #include <vector>
 
 #include "core/hex_io.hpp"
-#include "hexex/cell_classes.hpp"
+#include "hexex/folded_cells.hpp"
 #include "hexex/grid_vertices.hpp"
 
 namespace neurframe {
@@ -55,32 +55,13 @@ inline CellLoss loss_of_walk(WalkEnd end) {
   return end == WalkEnd::broken ? CellLoss::inexact_transition : CellLoss::lost_walk;
 }
 
-// What the members of a class know of their cell, in the chart of the root.
-struct ClassSummary {
-  int sign = 0;
-  int members = 0;
-  std::array<int, 8> corners{-1, -1, -1, -1, -1, -1, -1, -1};
-  std::array<int, 8> failures{};  // code of a walk that failed, where no walk arrived
-};
-
-inline void add_member(const Cell& cell, OctahedralRotation to_root, GridVertices& vertices,
-                       ClassSummary& summary) {
-  summary.sign += cell.sign;
-  ++summary.members;
-  for (int corner = 0; corner < 8; ++corner) {
-    const int code = cell.corners[static_cast<std::size_t>(corner)];
-    const auto place = static_cast<std::size_t>(turned_corner(to_root, corner));
-    if (code < 0) {
-      if (failure_of(code) != WalkEnd::returned) summary.failures[place] = code;
-    } else if (summary.corners[place] < 0) {
-      summary.corners[place] = code;
-    } else {
-      vertices.join(summary.corners[place], code);
-    }
-  }
+inline CellSummary summary_of(const Cell& cell) {
+  CellSummary summary{cell.sign, 1, cell.corners, {}};
+  for (std::size_t i = 0; i < 8; ++i) summary.failures[i] = std::min(cell.corners[i], 0);
+  return summary;
 }
 
-inline void finish_class(const Cell& root, bool twisted, const ClassSummary& summary, AssembledHexes& out,
+inline void finish_class(const Cell& root, bool twisted, const CellSummary& summary, AssembledHexes& out,
                          int cell) {
   if (summary.sign <= 0) return;  // the fold covers nothing here
   if (twisted) return out.lost.push_back(lost_cell(CellLoss::singularity_inside, root));
@@ -123,23 +104,18 @@ inline void resolve_vertices(const TracedCells& traced, const GridVertices& vert
 }  // namespace detail
 
 // Hexes in ascending order of their cell.
-inline AssembledHexes assemble_hexes(const TracedCells& traced, GridVertices& vertices) {
-  CellClasses classes = classify_cells(traced);
+inline AssembledHexes assemble_hexes(const GridMap& map, const InteriorPoints& points,
+                                     const TracedCells& traced, GridVertices& vertices) {
+  FoldedCells folded(map, points, traced, vertices);
   AssembledHexes out;
   out.hexes.reserve(traced.cells.size());
   out.cell_of_hex.reserve(traced.cells.size());
-  std::unordered_map<int, detail::ClassSummary> open;  // classes with several members
-  for (std::size_t c = 0; c < traced.cells.size(); ++c) {
-    const auto [root, rotation] = classes.find(static_cast<int>(c));
-    if (root != static_cast<int>(c)) detail::add_member(traced.cells[c], rotation, vertices, open[root]);
-  }
   for (std::size_t c = 0; c < traced.cells.size(); ++c) {
     const int cell = static_cast<int>(c);
-    if (classes.find(cell).cell != cell) continue;
-    const auto found = open.find(cell);
-    detail::ClassSummary summary = found == open.end() ? detail::ClassSummary{} : found->second;
-    detail::add_member(traced.cells[c], {}, vertices, summary);
-    detail::finish_class(traced.cells[c], classes.twisted(cell), summary, out, cell);
+    if (folded.root(cell) != cell) continue;
+    const CellSummary summary =
+        folded.is_folded(cell) ? folded.summary(cell) : detail::summary_of(traced.cells[c]);
+    detail::finish_class(traced.cells[c], folded.twisted(cell), summary, out, cell);
   }
   detail::resolve_vertices(traced, vertices, out);
   return out;

@@ -48,15 +48,14 @@ inline void refuse_impossible_faces(const HexMap& map, const std::vector<int>& t
   const int other = twin[static_cast<std::size_t>(h)];
   const FaceParameters a = seen_from(map, h, h / 4);
   const FaceParameters b = seen_from(map, h, other / 4);
-  const RotationChoice choice = best_rotation(a, b);
-  const Point3 shift = difference(b[0], choice.rotation(a[0]));
+  const TransitionChoice choice = best_transition(a, b);
   const bool turned = choice.residual > map_tolerance;
   throw InputError("not an integer-grid map: at " + std::to_string(found.impossible.size()) +
                    " interior faces the charts differ by no grid symmetry; first " + face_name(map, h) +
                    " of tets " + std::to_string(h / 4) + " and " + std::to_string(other / 4) + ": " +
                    (turned ? "no rotation of the grid carries one image to the other (off by " +
                                  std::to_string(choice.residual) + ")"
-                           : "translation " + as_text(shift) + ", allowed are integers") +
+                           : "translation " + as_text(choice.translation) + ", allowed are integers") +
                    "; a seamless map has to be quantized first");
 }
 

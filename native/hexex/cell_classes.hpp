@@ -1,16 +1,10 @@
-// Cells that are preimages of one and the same cell, where the map folds.
-//
-// A fold shows a cell centre several times, with signs +1, -1, +1 in the simplest case.  Walks that return to
-// another preimage tell which ones belong together.  The signs of a class add up to the number of hexes that
-// are really there: one for an honest cell, none where a fold only looks like one.
+// Cells that are preimages of one and the same cell, where the map folds: union-find.
 #pragma once
 
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
-#include "hexex/grid_vertices.hpp"
-#include "hexex/trace_cells.hpp"
+#include "core/octahedral_rotation.hpp"
 
 namespace neurframe {
 
@@ -70,34 +64,5 @@ class CellClasses {
   std::vector<char> twisted_;
   std::vector<std::size_t> path_;
 };
-
-inline CellClasses classify_cells(const TracedCells& traced) {
-  CellClasses classes(traced.cells.size());
-  if (traced.centres.empty()) return classes;
-  std::unordered_map<PlaceKey, int, PlaceKeyHash> cell_at;
-  for (const NamedCentre& centre : traced.centres) {
-    if (!centre.is_own) continue;
-    const auto [found, added] = cell_at.try_emplace(centre.key, centre.cell);
-    const OctahedralRotation from = traced.cells[static_cast<std::size_t>(centre.cell)].frame;
-    const OctahedralRotation to = traced.cells[static_cast<std::size_t>(found->second)].frame;
-    if (!added) classes.join(centre.cell, found->second, to * from.inverse());
-  }
-  bool returns = false;
-  for (const NamedCentre& centre : traced.centres) returns = returns || !centre.is_own;
-  if (!returns) return classes;
-  // cells strictly inside a tet have their own tet and centre for a name
-  for (std::size_t c = 0; c < traced.cells.size(); ++c) {
-    cell_at.try_emplace({traced.cells[c].tet, traced.cells[c].centre}, static_cast<int>(c));
-  }
-  for (const NamedCentre& centre : traced.centres) {
-    if (centre.is_own) continue;
-    const auto found = cell_at.find(centre.key);
-    // the place is known, but under this perturbation none of its tets holds the centre: it is nobody's cell
-    if (found == cell_at.end()) continue;
-    const OctahedralRotation to = traced.cells[static_cast<std::size_t>(found->second)].frame;
-    classes.join(centre.cell, found->second, to * centre.rotation);
-  }
-  return classes;
-}
 
 }  // namespace neurframe

@@ -2,8 +2,9 @@
 //
 //   1. number the integer points inside tets                      interior_points.hpp
 //   2. find the cell centres, walk to the eight corners of each    trace_cells.hpp, diagonal_walk.hpp
-//   3. number the corners between tets; join what folds repeat     grid_vertices.hpp, cell_classes.hpp
-//   4. assemble hexes, account for the cells that gave none        assemble_hexes.hpp, manifold_hexes.hpp
+//   3. number the corners between tets; join what folds repeat     grid_vertices.hpp, folded_vertices.hpp
+//   4. assemble hexes, account for the cells that gave none        folded_cells.hpp, assemble_hexes.hpp,
+//   manifold_hexes.hpp
 //   5. place the vertices                                          here
 #pragma once
 
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "hexex/assemble_hexes.hpp"
+#include "hexex/folded_vertices.hpp"
 #include "hexex/grid_vertices.hpp"
 #include "hexex/interior_points.hpp"
 #include "hexex/manifold_hexes.hpp"
@@ -107,7 +109,7 @@ inline Extraction extract_hexes(const GridMap& map, int threads, const Extractio
   number_named_corners(traced, vertices);
   join_folded_vertices(map, points, vertices);
   progress(0.7, "hexes");
-  AssembledHexes assembled = assemble_hexes(traced, vertices);
+  AssembledHexes assembled = assemble_hexes(map, points, traced, vertices);
   drop_crowding_hexes(traced, vertices.count(), assembled);
   progress(0.9, "positions");
   Extraction out;

@@ -17,7 +17,8 @@ using FixedPoint3 = Vector3<Fixed>;
 struct FaceTransition {
   std::array<std::int32_t, 3> translation{0, 0, 0};  // in cells
   OctahedralRotation rotation;
-  bool exact = false;  // it maps the three corners of the face exactly, so that a walk may cross here
+  bool ambiguous = false;  // the image of the face is too thin to tell the rotation
+  bool exact = false;      // it maps the three corners of the face exactly, so that a walk may cross here
 };
 
 struct GridMap {

@@ -78,36 +78,11 @@ inline void number_named_corners(TracedCells& traced, GridVertices& vertices) {
   }
 }
 
-// An integer point inside a flipped tet is one of several preimages of one vertex.  The walks from it towards
-// the eight cells around it return to the others.
-inline void join_folded_vertices(const GridMap& map, const InteriorPoints& points, GridVertices& vertices) {
-  PreimageSearch search(map);
-  const auto number_at = [&](int t, const FixedPoint3& p) {
-    const FaceSigns signs = detail::exact_face_signs(map, t, p);
-    return all_positive(signs) ? points.number(t, p) : vertices.number(search.key_of(t, p, signs), {t, p});
-  };
-  const auto join_preimages = [&](int t, const FixedPoint3& p, const FaceSigns& signs) {
-    const OctahedralRotation Q = all_positive(signs) ? OctahedralRotation() : search.place_of(t, p).from_key;
-    if (!detail::perturbed_inside(map, t, p, signs, Q)) return;
-    const int here = number_at(t, p);
-    for (int corner = 0; corner < 8; ++corner) {
-      const WalkResult walk = walk_diagonal(map, t, p, corner, Q);
-      if (walk.end == WalkEnd::returned) vertices.join(here, number_at(walk.tet, walk.point));
-    }
-  };
-  for (std::size_t i = 0; i < map.P.size(); ++i) {
-    if (map.orientation[i] >= 0) continue;
-    const int t = static_cast<int>(i);
-    const TetPlanes planes(map, t);
-    for_each_column(planes, lattice_box(map, t, 0), map.one(), 0,
-                    [&](std::int64_t x, std::int64_t y, Interval column) {
-                      for (std::int64_t z = column.begin; z < column.end; ++z) {
-                        const FixedPoint3 p{x * map.one(), y * map.one(), z * map.one()};
-                        const FaceSigns signs = planes.signs(p);
-                        if (none_negative(signs)) join_preimages(t, p, signs);
-                      }
-                    });
-  }
+// The vertex at an integer point of the closed tet t, which must not be flat.
+inline int vertex_at(const GridMap& map, const InteriorPoints& points, PreimageSearch& search, int t,
+                     const FixedPoint3& p, GridVertices& vertices) {
+  const FaceSigns signs = detail::exact_face_signs(map, t, p);
+  return all_positive(signs) ? points.number(t, p) : vertices.number(search.key_of(t, p, signs), {t, p});
 }
 
 }  // namespace neurframe

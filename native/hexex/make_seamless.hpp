@@ -72,7 +72,7 @@ class StarWalker {
     for (int i = 0; i < 4; ++i) {
       const int h = corner - corner % 4 + i;
       const int across = map_.twin[static_cast<std::size_t>(h)];
-      if (h == corner || across < 0 || (found_.ambiguous[static_cast<std::size_t>(h)] != 0) != ambiguous)
+      if (h == corner || across < 0 || found_.transition[static_cast<std::size_t>(h)].ambiguous != ambiguous)
         continue;
       const int next = corner_across(corner, across);
       const auto waiting = std::lower_bound(pending_.begin(), pending_.end(), next);
@@ -121,7 +121,7 @@ class StarWalker {
       const int across = map_.twin[static_cast<std::size_t>(h)];
       if (across < 0) {
         consistent = add_boundary_plane(h, to_master, space) && consistent;
-      } else if (across > h && found_.ambiguous[static_cast<std::size_t>(h)] == 0) {
+      } else if (across > h && !found_.transition[static_cast<std::size_t>(h)].ambiguous) {
         const std::size_t other = place_of(corner_across(corner, across));
         const GridTransition3 loop =
             sheet_.from_master[other].inverse() * transition(h) * sheet_.from_master[place];

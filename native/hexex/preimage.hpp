@@ -36,9 +36,11 @@ struct PlaceKeyHash {
   }
 };
 
-struct Place {
-  PlaceKey key;
-  OctahedralRotation from_key;  // from the chart of key.tet to the chart where the search began
+// A tet that contains the point, as a search from one of them finds it.
+struct PreimageVisit {
+  int tet;
+  FixedPoint3 point;
+  OctahedralRotation rotation;  // from the chart where the search began to that of tet
 };
 
 // True when p lies on the closed image of a half-face.
@@ -69,16 +71,19 @@ class PreimageSearch {
  public:
   explicit PreimageSearch(const GridMap& map) : map_(map) {}
 
-  // The place of point p (in the chart of tet t), which lies in the closed tet.
-  Place place_of(int t, const FixedPoint3& p) {
+  // All tets around point p (in the chart of tet t), which lies in the closed tet; valid until the next
+  // search.
+  const std::vector<PreimageVisit>& visits(int t, const FixedPoint3& p) {
     visits_.assign(1, {t, p, {}});
-    std::size_t lowest = 0;
-    for (std::size_t next = 0; next < visits_.size(); ++next) {
-      if (visits_[next].tet < visits_[lowest].tet) lowest = next;
-      visit_neighbours(next);
+    // faces too thin to tell their rotation come last: they carry the point right, but perhaps not the chart
+    for (std::size_t certain = 0, any = 0; any < visits_.size();) {
+      if (certain < visits_.size()) {
+        visit_neighbours(certain++, false);
+      } else {
+        visit_neighbours(any++, true);
+      }
     }
-    const Visit& found = visits_[lowest];
-    return {{found.tet, found.point}, found.rotation.inverse()};
+    return visits_;
   }
 
   // The name alone, for a point with these face signs in the tet t that is not flat; a short cut for the two
@@ -97,7 +102,7 @@ class PreimageSearch {
           near_flat || (signs[corner] != 0 && map_.touches_flat[static_cast<std::size_t>(tet[corner])] != 0);
     }
     if (on_faces == 0) return {t, p};
-    if (near_flat || on_faces == 2) return place_of(t, p).key;
+    if (near_flat || on_faces == 2) return lowest(visits(t, p));
     if (on_faces == 3) return {-2 - tet[static_cast<std::size_t>(vertex_corner)], {0, 0, 0}};
     const auto h = static_cast<std::size_t>(4 * t + zero_face);
     const int across = map_.twin[h];
@@ -106,20 +111,21 @@ class PreimageSearch {
   }
 
  private:
-  struct Visit {
-    int tet;
-    FixedPoint3 point;
-    OctahedralRotation rotation;  // from the first chart to this one
-  };
+  static PlaceKey lowest(const std::vector<PreimageVisit>& visits) {
+    const auto found = std::min_element(visits.begin(), visits.end(),
+                                        [](const auto& a, const auto& b) { return a.tet < b.tet; });
+    return {found->tet, found->point};
+  }
 
-  void visit_neighbours(std::size_t place) {
-    const Visit here = visits_[place];
+  void visit_neighbours(std::size_t place, bool ambiguous) {
+    const PreimageVisit here = visits_[place];
     for (int i = 0; i < 4; ++i) {
       const int h = 4 * here.tet + i;
       const int across = map_.twin[static_cast<std::size_t>(h)];
       const FaceTransition& transition = map_.transition[static_cast<std::size_t>(h)];
-      if (across < 0 || !transition.exact || !face_contains(map_, h, here.point)) continue;
-      const auto seen = [&](const Visit& visit) { return visit.tet == across / 4; };
+      if (across < 0 || !transition.exact || transition.ambiguous != ambiguous) continue;
+      if (!face_contains(map_, h, here.point)) continue;
+      const auto seen = [&](const PreimageVisit& visit) { return visit.tet == across / 4; };
       if (std::any_of(visits_.begin(), visits_.end(), seen)) continue;
       visits_.push_back({across / 4, carry(transition, here.point, map_.fraction_bits),
                          transition.rotation * here.rotation});
@@ -127,7 +133,7 @@ class PreimageSearch {
   }
 
   const GridMap& map_;
-  std::vector<Visit> visits_;
+  std::vector<PreimageVisit> visits_;
 };
 
 }  // namespace neurframe

@@ -58,39 +58,47 @@ inline double rotation_residual(const OctahedralRotation& R, const FaceParameter
   return std::max(residual(1), residual(2));
 }
 
-struct RotationChoice {
+struct TransitionChoice {
   OctahedralRotation rotation;
-  double residual = 0.0;
-  bool ambiguous = false;
+  Point3 translation{0, 0, 0};  // mean over the corners, before rounding
+  double residual = 0.0;        // of the rotation
+  bool ambiguous = false;       // other rotations fit as well
+  bool integral = false;
 };
 
-// The rotation that carries the edges of a to those of b best; the identity wins among equals.
-inline RotationChoice best_rotation(const FaceParameters& a, const FaceParameters& b) {
-  std::array<double, 24> residual{};
-  for (int r = 0; r < 24; ++r)
-    residual[static_cast<std::size_t>(r)] = rotation_residual(OctahedralRotation(r), a, b);
-  const double least = *std::min_element(residual.begin(), residual.end());
-  const double close = std::max(4.0 * least, 1e-9);
-  const auto good = std::count_if(residual.begin(), residual.end(), [&](double x) { return x <= close; });
-  const auto chosen =
-      residual[0] <= close ? residual.begin() : std::min_element(residual.begin(), residual.end());
-  return {OctahedralRotation(static_cast<int>(chosen - residual.begin())), *chosen, good > 1};
+inline void measure_translation(const FaceParameters& a, const FaceParameters& b, TransitionChoice& choice) {
+  choice.translation = {0, 0, 0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Point3 shift = difference(b[k], choice.rotation(a[k]));
+    for (std::size_t i = 0; i < 3; ++i) choice.translation[i] += shift[i] / 3.0;
+  }
+  choice.integral = true;
+  for (const double t : choice.translation) {
+    choice.integral =
+        choice.integral && std::abs(t - std::nearbyint(t)) <= map_tolerance && std::abs(t) < 1e9;
+  }
 }
 
-// False when the translation is no integer vector.
-inline bool set_translation(const FaceParameters& a, const FaceParameters& b, FaceTransition& transition) {
-  bool integral = true;
-  Point3 mean{0, 0, 0};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Point3 shift = difference(b[k], transition.rotation(a[k]));
-    for (std::size_t i = 0; i < 3; ++i) mean[i] += shift[i] / 3.0;
+// The grid symmetry that carries a to b best.  Of several that do (a thin face) the first with an integer
+// translation counts, the identity before all others.
+inline TransitionChoice best_transition(const FaceParameters& a, const FaceParameters& b) {
+  std::array<double, 24> residual{};
+  for (std::size_t r = 0; r < 24; ++r)
+    residual[r] = rotation_residual(OctahedralRotation(static_cast<int>(r)), a, b);
+  const auto best = std::min_element(residual.begin(), residual.end()) - residual.begin();
+  const double close = std::max(4.0 * residual[static_cast<std::size_t>(best)], 1e-9);
+  TransitionChoice choice{
+      OctahedralRotation(static_cast<int>(best)), {}, residual[static_cast<std::size_t>(best)]};
+  choice.ambiguous =
+      std::count_if(residual.begin(), residual.end(), [&](double x) { return x <= close; }) > 1;
+  measure_translation(a, b, choice);
+  for (std::size_t r = 0; r < 24 && choice.ambiguous; ++r) {
+    if (residual[r] > close) continue;
+    TransitionChoice other{OctahedralRotation(static_cast<int>(r)), {}, residual[r], true};
+    measure_translation(a, b, other);
+    if (other.integral) return other;
   }
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double rounded = std::nearbyint(mean[i]);
-    integral = integral && std::abs(mean[i] - rounded) <= map_tolerance && std::abs(rounded) < 1e9;
-    transition.translation[i] = integral ? static_cast<std::int32_t>(rounded) : 0;
-  }
-  return integral;
+  return choice;
 }
 
 // The plane u[axis] = integer that the face lies on; of several (a thin face) the one it faces most.
@@ -111,22 +119,24 @@ inline BoundaryPlane integer_plane(const FaceParameters& face) {
   return plane;
 }
 
-inline void recover_interior_face(const HexMap& map, const std::vector<int>& twin, int h,
-                                  RecoveredTransitions& found, std::vector<int>& impossible) {
-  const int other = twin[static_cast<std::size_t>(h)];
-  const FaceParameters here = seen_from(map, h, h / 4);
-  const FaceParameters there = seen_from(map, h, other / 4);
-  const RotationChoice choice = best_rotation(here, there);
-  FaceTransition& forward = found.transition[static_cast<std::size_t>(h)];
-  FaceTransition& backward = found.transition[static_cast<std::size_t>(other)];
-  forward.rotation = choice.rotation;
-  if (choice.residual > map_tolerance || !set_translation(here, there, forward)) impossible.push_back(h);
-  const GridTransition3 inverse = as_grid_transition(forward).inverse();
-  backward.rotation = inverse.rotation;
+inline void set_transition(const GridTransition3& given, bool ambiguous, FaceTransition& transition) {
+  transition.rotation = given.rotation;
+  transition.ambiguous = ambiguous;
   for (std::size_t i = 0; i < 3; ++i)
-    backward.translation[i] = static_cast<std::int32_t>(inverse.translation[i]);
-  found.ambiguous[static_cast<std::size_t>(h)] = found.ambiguous[static_cast<std::size_t>(other)] =
-      choice.ambiguous;
+    transition.translation[i] = static_cast<std::int32_t>(given.translation[i]);
+}
+
+// False when no grid symmetry fits.
+inline bool recover_interior_face(const HexMap& map, const std::vector<int>& twin, int h,
+                                  std::vector<FaceTransition>& transition) {
+  const int other = twin[static_cast<std::size_t>(h)];
+  const TransitionChoice choice = best_transition(seen_from(map, h, h / 4), seen_from(map, h, other / 4));
+  if (!choice.integral || choice.residual > map_tolerance) return false;
+  GridTransition3 forward{choice.rotation, {}};
+  for (std::size_t i = 0; i < 3; ++i) forward.translation[i] = std::llround(choice.translation[i]);
+  set_transition(forward, choice.ambiguous, transition[static_cast<std::size_t>(h)]);
+  set_transition(forward.inverse(), choice.ambiguous, transition[static_cast<std::size_t>(other)]);
+  return true;
 }
 
 }  // namespace detail
@@ -137,14 +147,14 @@ inline RecoveredTransitions recover_transitions(const HexMap& map, const std::ve
                                                 int threads) {
   RecoveredTransitions found;
   found.transition.resize(twin.size());
-  found.ambiguous.assign(twin.size(), 0);
   found.boundary.resize(twin.size());
   const auto half_faces = static_cast<std::int64_t>(twin.size());
   found.impossible =
       parallel_collect<int>(half_faces, threads, [&](std::int64_t begin, std::int64_t end, auto& bad) {
         for (std::int64_t i = begin; i < end; ++i) {
           const int h = static_cast<int>(i);
-          if (twin[static_cast<std::size_t>(h)] > h) detail::recover_interior_face(map, twin, h, found, bad);
+          if (twin[static_cast<std::size_t>(h)] < h) continue;
+          if (!detail::recover_interior_face(map, twin, h, found.transition)) bad.push_back(h);
         }
       });
   found.unaligned =

@@ -24,8 +24,8 @@ constexpr WalkEnd failure_of(int code) {
 struct Cell {
   int tet;
   FixedPoint3 centre;        // in the chart of tet
-  OctahedralRotation frame;  // from the chart that names the place of the centre to the chart of tet
-  std::int8_t sign;          // 1, or -1 in a flipped tet
+  OctahedralRotation frame;  // the perturbation Q in the chart of tet
+  std::int8_t sign;          // 1, -1 in a flipped tet, 0 where the class of the cell has to tell
   std::array<int, 8> corners;
 };
 
@@ -39,14 +39,10 @@ struct NamedCorner {
   FixedPoint3 point;
 };
 
-// A cell centre whose place has a name that other cells may have too: because it lies between tets, or
-// because a walk from `cell` came to it (rotation: from the chart of the cell to the chart that names the
-// place).
+// A cell whose centre lies between tets, under the name of that place.
 struct NamedCentre {
   int cell;
   PlaceKey key;
-  bool is_own;
-  OctahedralRotation rotation;
 };
 
 struct TracedCells {
@@ -100,14 +96,32 @@ class CellTracer {
     const int number = static_cast<int>(out_.cells.size());
     Cell cell{t, p, {}, map_.orientation[static_cast<std::size_t>(t)], {}};
     if (!all_positive(signs)) {
-      cell.frame = search_.place_of(t, p).from_key;
-      if (!perturbed_inside(map_, t, p, signs, cell.frame)) return;
-      out_.centres.push_back({number, search_.key_of(t, p, signs), true, {}});
+      if (!owns_tie(t, p, signs, cell)) return;
+      out_.centres.push_back({number, search_.key_of(t, p, signs)});
     }
     for (int corner = 0; corner < 8; ++corner) {
-      cell.corners[static_cast<std::size_t>(corner)] = trace_corner(number, cell, corner, planes);
+      int& code = cell.corners[static_cast<std::size_t>(corner)];
+      code = cell.sign == 0 ? failed_corner(WalkEnd::returned) : trace_corner(number, cell, corner, planes);
     }
     out_.cells.push_back(cell);
+  }
+
+  // A centre between tets belongs to the tet that holds it after the perturbation, which the lowest tet
+  // defines. Next to flat or flipped tets there may be none or several: the lowest that is not flat keeps the
+  // cell for later.
+  bool owns_tie(int t, const FixedPoint3& p, const FaceSigns& signs, Cell& cell) {
+    const std::vector<PreimageVisit>& visits = search_.visits(t, p);
+    const PreimageVisit* lowest = nullptr;
+    bool sound = true;
+    for (const PreimageVisit& visit : visits) {
+      const int orientation = map_.orientation[static_cast<std::size_t>(visit.tet)];
+      sound = sound && orientation > 0;
+      if (orientation != 0 && (lowest == nullptr || visit.tet < lowest->tet)) lowest = &visit;
+    }
+    if (!sound) cell.sign = 0;
+    if (!sound) return lowest->tet == t;
+    cell.frame = lowest->rotation.inverse();
+    return perturbed_inside(map_, t, p, signs, cell.frame);
   }
 
   int trace_corner(int number, const Cell& cell, int corner, const TetPlanes& planes) {
@@ -118,14 +132,7 @@ class CellTracer {
     for (std::size_t face = 0; face < 4; ++face) inside = inside && planes.value(face, q) > planes.error();
     if (inside) return points_.number(cell.tet, q);
     const WalkResult walk = walk_diagonal(map_, cell.tet, cell.centre, corner, cell.frame);
-    if (walk.end == WalkEnd::reached) return vertex_at(number, corner, walk);
-    if (walk.end == WalkEnd::returned) {
-      const FaceSigns signs = exact_face_signs(map_, walk.tet, walk.point);
-      const OctahedralRotation to_name = search_.place_of(walk.tet, walk.point).from_key.inverse();
-      out_.centres.push_back(
-          {number, search_.key_of(walk.tet, walk.point, signs), false, to_name * walk.rotation});
-    }
-    return failed_corner(walk.end);
+    return walk.end == WalkEnd::reached ? vertex_at(number, corner, walk) : failed_corner(walk.end);
   }
 
   int vertex_at(int number, int corner, const WalkResult& walk) {
