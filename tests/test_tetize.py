@@ -42,6 +42,7 @@ def assert_sound(tets: TetMesh) -> None:
     assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
 
 
+@pytest.mark.slow
 def test_bracket(tmp_path: Path) -> None:
     """Far from the origin and in millimetres, it comes back in place, with its features and its hole."""
     model = sample("bracket.stl")
@@ -65,10 +66,11 @@ def test_bracket(tmp_path: Path) -> None:
     assert seen[-1] == 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(seed_library() is None, reason="the seed library is not built here")
 def test_the_same_seed_gives_the_same_bytes(tmp_path: Path) -> None:
     runs = [
-        tetize(sample("cube.stl"), replace(COARSE, seed=seed, edge_length=0.3), silent, tmp_path)
+        tetize(sample("tetrahedron.obj"), replace(COARSE, seed=seed, edge_length=0.1), silent, tmp_path)
         for seed in (7, 7, 8)
     ]
     assert all(run.seeded for run in runs)
@@ -88,7 +90,7 @@ def test_given_segments_count_instead_of_the_angle(tmp_path: Path) -> None:
     """Of the cube's twelve edges only the four round the lid are asked for."""
     corners = np.array([[0, 0, 10], [10, 0, 10], [10, 10, 10], [0, 10, 10.0]])
     segments = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
-    options = replace(COARSE, feature_segments=segments, edge_length=0.2)
+    options = replace(COARSE, feature_segments=segments, edge_length=0.1)
     result = tetize(sample("cube.stl"), options, silent, tmp_path)
     points = result.tets.V[np.unique(result.features.edges)]
     assert np.abs(points[:, 2] - 10).max() < 0.05
