@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from neurframe_cli.errors import StageError, TooNewFile, UnreadableFile, UsageError, WorkspaceBusy
+from neurframe_cli.errors import NotValid, StageError, TooNewFile, UnreadableFile, UsageError, WorkspaceBusy
 from neurframe_cli.mesh.arrays import silent
 from neurframe_cli.pipeline.atomic import TEMPORARY_PREFIX, atomic_path, sha256_of, write_json
 from neurframe_cli.pipeline.lock import exclusive
@@ -76,6 +76,24 @@ def test_failure_is_recorded_and_tried_again(folder: Path) -> None:
     record = read_manifest(folder).stages["double"]
     assert (record.status, record.error) == ("failed", "no luck")
     assert not run_stage(Workspace(folder), step, silent).skipped
+
+
+def test_invalid_result_is_kept_and_said_again_without_doing_it_again(folder: Path) -> None:
+    calls: list[int] = []
+    sound = doubling_step(folder, calls)
+
+    def work(context: StageContext) -> dict[str, int]:
+        report = sound.work(context)
+        context.invalid = "two cells are inverted"
+        return report
+
+    step = Step(sound.name, 1, sound.inputs, sound.outputs, sound.options, work)
+    for _ in range(2):
+        with pytest.raises(NotValid, match="two cells"):
+            run_stage(Workspace(folder), step, silent)
+    assert calls == [2]
+    assert (folder / "product").read_text() == "42"
+    assert read_manifest(folder).stages["double"].report == {"value": 42}
 
 
 def test_manifest_records_hashes_options_and_versions(folder: Path) -> None:

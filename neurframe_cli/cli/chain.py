@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from neurframe_cli.pipeline.runner import StageOutcome, Step, run_stage
 from neurframe_cli.pipeline.workspace import Workspace
 
 if TYPE_CHECKING:
     from neurframe_cli.cli.console import Console
+
+DEFAULT_SCALES = {"quad": 100.0, "hex": 30.0}  # paper, sections 5.1.1 and 5.1.2
 
 # options of `neurframe train` that TrainOptions knows by the same name
 _TRAIN_OPTIONS = (
@@ -61,18 +63,10 @@ def train_stage(
     from neurframe_cli.pipeline.train_step import train_step
     from neurframe_cli.stages.train import TrainOptions
 
-    names = (
-        "preset",
-        "method",
-        "iterations",
-        "batch_fraction",
-        "learning_rate",
-        "lambda_smooth",
-        "lambda_boundary",
-    )
-    names += ("lambda_feature", "sigma", "seed", "device", "precision", "project")
     options = TrainOptions(
-        **{name: values[name] for name in names}, time_budget_s=values["time_budget"], threads=threads
+        **{name: values[name] for name in _TRAIN_OPTIONS},
+        time_budget_s=values["time_budget"],
+        threads=threads,
     )
     return _run(workspace, train_step(workspace, options, fresh=force), console, force)
 
@@ -94,6 +88,32 @@ def points_stage(
     from neurframe_cli.pipeline.discretize_step import points_step
 
     return _run(workspace, points_step(workspace, points), console, force)
+
+
+def mesh_stage(
+    kind: Literal["quad", "hex"],
+    workspace: Workspace,
+    values: Mapping[str, Any],
+    threads: int,
+    console: Console,
+    *,
+    force: bool = False,
+) -> StageOutcome:
+    """Crosses -> quads, or frames -> hexes."""
+    from neurframe_cli.mesh.write_cells import check_output
+    from neurframe_cli.pipeline.hex_step import hex_step
+    from neurframe_cli.pipeline.mesh_step import MeshRequest
+    from neurframe_cli.pipeline.native import Limits
+    from neurframe_cli.pipeline.quad_step import quad_step
+    from neurframe_cli.pipeline.sizing import element_size
+
+    if values["output"] is not None:
+        check_output(values["output"], kind)
+    size = element_size(values["scale"], values["edge_length"], values["count"], DEFAULT_SCALES[kind])
+    limits = Limits(values["timeout"], values["memory"], threads)
+    request = MeshRequest(size, values["feature_angle"], values["output"], limits)
+    step = (quad_step if kind == "quad" else hex_step)(workspace, request)
+    return _run(workspace, step, console, force)
 
 
 def _run(workspace: Workspace, step: Step, console: Console, force: bool) -> StageOutcome:
@@ -127,5 +147,12 @@ def _summary(stage: str, report: Mapping[str, Any]) -> list[str]:
             f"{report['singular_edges']} singular edges, {report['singular_length']:.2f} diagonals long",
             f"normals off by {report['normal_deg_mean']:.2f} degrees (mean), {report['normal_deg_max']:.1f} (worst)",
             f"crosses on {report['surface']}",
+        ]
+    if stage in ("quad", "hex"):
+        mesh = report["mesh"]
+        return [
+            f"{mesh['cells']} {stage}s, scaled Jacobian {mesh['min_scaled_jacobian']:.3f} (worst) "
+            f"{mesh['mean_scaled_jacobian']:.3f} (mean), distance to the input {100 * mesh['hausdorff']:.2f} % of the "
+            "diagonal"
         ]
     return []

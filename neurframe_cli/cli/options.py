@@ -156,3 +156,36 @@ discretize_options = options(
     ),
     click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw PNG pictures."),
 )
+
+
+def size_options(element: str, count_option: str, default_scale: int) -> Callable[[Command], Command]:
+    """--scale, --edge-length, or a count: how large the elements shall be."""
+    return options(
+        click.option(
+            "--scale",
+            type=_positive,
+            help=f"Edge length = bounding-box diagonal / SCALE.  [default: {default_scale}]",
+        ),
+        click.option("--edge-length", type=_positive, help="Edge length in units of the input."),
+        click.option(count_option, "count", type=click.IntRange(1), help=f"About how many {element}."),
+    )
+
+
+mesh_options = options(
+    click.option(
+        "--feature-angle",
+        type=click.FloatRange(0, 180),
+        default=45.0,
+        show_default=True,
+        help="Sharp edges of the input, degrees.",
+    ),
+    click.option(
+        "-o", "--output", type=click.Path(path_type=Path), help="A further file; its extension is the format."
+    ),
+    click.option(
+        "--timeout", type=_positive, default=1800.0, show_default=True, help="Seconds for each program."
+    ),
+    click.option(
+        "--memory", type=click.IntRange(64), help="MiB that a program may use.  [default: no limit]"
+    ),
+)

@@ -7,17 +7,29 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from neurframe_cli import __version__
-from neurframe_cli.errors import NeurframeError
+from neurframe_cli.errors import NeurframeError, StageError
 from neurframe_cli.mesh.arrays import Features, Surface, silent
 from neurframe_cli.pipeline.executables import PROGRAMS, find_executable
 from neurframe_cli.process import run_child
 
-_PACKAGES = ("torch", "pytetwild", "libigl", "trimesh", "meshio", "pyvista", "numpy", "scipy", "highspy", "safetensors")
+_PACKAGES = (
+    "torch",
+    "pytetwild",
+    "libigl",
+    "trimesh",
+    "meshio",
+    "pyvista",
+    "numpy",
+    "scipy",
+    "highspy",
+    "safetensors",
+)
 
 
 @dataclass(frozen=True)
@@ -33,10 +45,12 @@ class Finding:
 def examine(threads: int) -> list[Finding]:
     """Versions, device, executables, and a self-test of tetize, training and drawing on a cube."""
     return [
-        Finding("neurframe", True, f"{__version__}, Python {platform.python_version()}, {platform.platform()}"),
+        Finding(
+            "neurframe", True, f"{__version__}, Python {platform.python_version()}, {platform.platform()}"
+        ),
         *(_package(name) for name in _PACKAGES),
         _examined("device", lambda: _device(threads)),
-        *(_examined(f"neurframe-{program}", lambda program=program: _executable(program)) for program in PROGRAMS),
+        *(_examined(f"neurframe-{program}", partial(_executable, program)) for program in PROGRAMS),
         _examined("gmsh (STEP files)", _gmsh, required=False),
         _examined("tetrahedral meshing", _tetize_cube),
         _examined("training", lambda: _train_cube(threads)),
@@ -70,14 +84,19 @@ def _device(threads: int) -> str:
 
 def _executable(program: str) -> str:
     path = find_executable(program)
-    said = run_child([path, "--version"], name=path.name, timeout_s=10).stdout.decode("utf-8", "replace").strip()
+    said = (
+        run_child([path, "--version"], name=path.name, timeout_s=10).stdout.decode("utf-8", "replace").strip()
+    )
     return said or str(path)
 
 
 def _gmsh() -> str:
     from neurframe_cli.mesh.read_step import find_gmsh
 
-    return str(find_gmsh())
+    found = find_gmsh()
+    if found is None:
+        raise StageError("not installed; pip install 'neurframe[step]' for STEP files")
+    return found
 
 
 def cube() -> Surface:
@@ -104,7 +123,9 @@ def _train_cube(threads: int) -> str:
     T = np.array([[0, 3, 5, 6], [0, 3, 1, 5], [0, 3, 6, 2], [0, 5, 4, 6], [3, 5, 6, 7]], np.int64)
     edges = surface.V[T[:, 1:]] - surface.V[T[:, :1]]
     T[np.linalg.det(edges) < 0] = T[np.linalg.det(edges) < 0][:, [0, 2, 1, 3]]
-    result = train(TetMesh(surface.V, T), Features(), TrainOptions(threads=threads))
+    result = train(
+        TetMesh(surface.V, T), Features(), TrainOptions(iterations=20, time_budget_s=5, threads=threads)
+    )
     return f"loss {result.report['losses']['total']:.4f} on {result.report['device']}"
 
 
@@ -118,7 +139,9 @@ def _draw_cube() -> str:
 
     nothing = np.zeros((0, 2), np.int64)
     crosses = np.zeros((len(surface.F), 2, 3))
-    data = FieldData(surface, crosses, TetMesh(*tets), np.eye(3)[None], nothing, nothing, np.zeros(0, np.int64))
+    data = FieldData(
+        surface, crosses, TetMesh(*tets), np.eye(3)[None], nothing, nothing, np.zeros(0, np.int64)
+    )
     with tempfile.TemporaryDirectory() as scratch:
         picture = Path(scratch) / "cube.png"
         draw_field({"singular": picture}, data)

@@ -19,8 +19,8 @@ MANIFEST_NAME = "manifest.json"
 class StageRecord:
     """One stage's entry.
 
-    status: running, done, failed, interrupted; key: digest of everything that determines the outputs;
-    inputs, outputs: file name -> sha256; report: the stage's own numbers.
+    status: running, done, invalid (written, but it fails its checks), failed, interrupted; key: digest of
+    everything that determines the outputs; inputs, outputs: file name -> sha256; report: the stage's own numbers.
     """
 
     status: str

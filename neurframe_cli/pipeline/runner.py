@@ -26,12 +26,15 @@ log = logging.getLogger("neurframe")
 
 @dataclass
 class StageContext:
-    """What a step's work gets: where to read and write, how to tell progress, the key of its inputs and options."""
+    """What a step's work gets: where to read and write, how to tell progress.
+
+    A work that has written a mesh that does not pass its checks says why in `invalid` and returns its report.
+    """
 
     workspace: Workspace
     progress: Progress
-    key: str
     warnings: list[str] = field(default_factory=list)
+    invalid: str | None = None
 
     def warn(self, message: str) -> None:
         """Note something the user should know; it goes to the log and into the manifest."""
@@ -69,7 +72,8 @@ class StageOutcome:
 def run_stage(workspace: Workspace, step: Step, progress: Progress, *, force: bool = False) -> StageOutcome:
     """Run `step` unless its outputs are there, unharmed, made from the same inputs and options.
 
-    Raises what the work raises, after the manifest has recorded it.
+    Raises what the work raises, after the manifest has recorded it, and NotValid where the work (now or when it was
+    last done) found its own result invalid.
     """
     with exclusive(workspace.folder):
         remove_leftovers(workspace.folder)
@@ -78,20 +82,25 @@ def run_stage(workspace: Workspace, step: Step, progress: Progress, *, force: bo
         key = _key(step, inputs)
         previous = manifest.stages.get(step.name)
         if not force and previous is not None and is_current(workspace, previous, key):
-            return StageOutcome(previous, skipped=True)
+            return _judged(StageOutcome(previous, skipped=True))
         record = StageRecord("running", key, {**step.options, **step.unkeyed_options}, inputs)
         record.versions = _versions(step.packages)
         record.started = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
         manifest.stages[step.name] = record
         write_manifest(workspace.folder, manifest)
-        context = StageContext(workspace, progress, key, record.warnings)
-        _carry_out(workspace, step, context, manifest)
-        return StageOutcome(record, skipped=False)
+        _carry_out(workspace, step, StageContext(workspace, progress, record.warnings), manifest)
+        return _judged(StageOutcome(record, skipped=False))
+
+
+def _judged(outcome: StageOutcome) -> StageOutcome:
+    if outcome.record.status == "invalid":
+        raise NotValid(outcome.record.error or "not valid")
+    return outcome
 
 
 def is_current(workspace: Workspace, record: StageRecord, key: str) -> bool:
     """Whether a stage's outputs are all there with the hashes recorded, made under the same key."""
-    if record.status != "done" or record.key != key:
+    if record.status not in ("done", "invalid") or record.key != key:
         return False
     for name, digest in record.outputs.items():
         path = workspace / name
@@ -108,11 +117,7 @@ def _carry_out(workspace: Workspace, step: Step, context: StageContext, manifest
     usage, started = Usage(), time.perf_counter()
     try:
         record.report = step.work(context)
-        record.status = "done"
-    except NotValid as error:
-        # written, but it does not pass its checks: never taken for done, so that the next run tries again
-        record.status, record.error = "invalid", str(error)
-        raise
+        record.status, record.error = ("invalid" if context.invalid else "done"), context.invalid
     except (KeyboardInterrupt, Interrupted):
         record.status, record.error = "interrupted", "interrupted"
         raise

@@ -1,0 +1,30 @@
+"""`neurframe quad`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from neurframe_cli.cli.command import StageCommand
+from neurframe_cli.cli.options import force_option, mesh_options, size_options, workspace_option
+
+if TYPE_CHECKING:
+    from neurframe_cli.cli.console import Console
+
+
+@click.command(name="quad", cls=StageCommand)
+@workspace_option
+@size_options("quads", "--target-faces", 100)
+@mesh_options
+@force_option
+def command(workspace: Path | None, force: bool, threads: int, console: Console, **values: object) -> None:
+    """Parametrise the surface along the crosses (MIQ), extract the quads (QEx), smooth and check them.
+
+    Writes map.obj (the integer-grid uv map) and quad.obj; exit code 4 where the quads are not valid.
+    """
+    from neurframe_cli.cli.chain import mesh_stage
+    from neurframe_cli.pipeline.workspace import find_workspace
+
+    mesh_stage("quad", find_workspace(workspace), values, threads, console, force=force)

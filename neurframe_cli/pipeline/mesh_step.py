@@ -1,0 +1,147 @@
+"""What quad and hex share on files: parametrize -> map -> extract -> smooth -> write -> read back and check."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from neurframe_cli.mesh.arrays import Features, Progress, Surface
+from neurframe_cli.mesh.features import features_by_angle
+from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
+from neurframe_cli.mesh.quality.check import Verdict
+from neurframe_cli.mesh.read_cells import CellMesh, read_cells
+from neurframe_cli.mesh.read_surface import read_surface
+from neurframe_cli.mesh.write_cells import write_cells
+from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
+from neurframe_cli.pipeline.checking import check_file
+from neurframe_cli.pipeline.native import Limits, ProgramResult, run_program
+from neurframe_cli.pipeline.runner import StageContext, Step
+from neurframe_cli.pipeline.sizing import ElementSize
+from neurframe_cli.pipeline.tetize_step import SURFACE
+from neurframe_cli.stages.smooth_hexes import smooth_hexes
+from neurframe_cli.stages.smooth_quads import smooth_quads
+
+
+@dataclass(frozen=True)
+class MeshRequest:
+    """What the user asked for; output: a further file for the mesh, its format by its extension."""
+
+    size: ElementSize
+    feature_angle_deg: float
+    output: Path | None
+    limits: Limits
+
+
+@dataclass(frozen=True)
+class MeshKind:
+    """How one kind of mesh is made.
+
+    outputs: its files in the workspace, the first one is read back for the check; count_option: of the parametrizing
+    program; parametrize(context, inputs, arguments, map path, limits, progress) runs that program.
+    """
+
+    name: Literal["quad", "hex"]
+    map_name: str
+    outputs: tuple[str, ...]
+    count_option: str
+    extractor: str
+    parametrize: Callable[
+        [StageContext, Mapping[str, Path], list[str], Path, Limits, Progress], ProgramResult
+    ]
+
+
+def mesh_step(kind: MeshKind, inputs: Mapping[str, Path], request: MeshRequest) -> Step:
+    """The stage bound to its files; `inputs` has the surface among them."""
+
+    def work(context: StageContext) -> dict[str, Any]:
+        surface = read_surface(inputs[SURFACE])
+        parametrization = _parametrize(kind, context, inputs, surface, request)
+        extraction, raw = _extract(kind, context, request.limits)
+        features = features_by_angle(surface.V, surface.F, request.feature_angle_deg)
+        smoothed = _smooth(raw, surface, features, _part(context.progress, 0.7, 0.9))
+        verdict = _write(
+            kind, context, CellMesh(kind.name, smoothed.V, raw.cells), surface, features, request.output
+        )
+        context.invalid = _what_is_wrong(kind, parametrization, extraction, verdict)
+        return {
+            "parametrization": parametrization.statistics,
+            "extraction": extraction.statistics,
+            "smoothing": asdict(smoothed.report),
+            "mesh": verdict.numbers,
+            "problems": verdict.problems,
+        }
+
+    return Step(
+        name=kind.name,
+        version=1,
+        inputs=inputs,
+        outputs=(kind.map_name, *kind.outputs),
+        options={
+            **asdict(request.size),
+            "feature_angle_deg": request.feature_angle_deg,
+            "output": None if request.output is None else str(request.output),
+        },
+        unkeyed_options=asdict(request.limits),
+        work=work,
+        packages=("numpy", "scipy", "libigl", "meshio"),
+    )
+
+
+def _part(progress: Progress, begin: float, end: float) -> Progress:
+    """Progress of a step that is the part from `begin` to `end` of the whole."""
+    return lambda fraction, text: progress(begin + (end - begin) * fraction, text)
+
+
+def _parametrize(
+    kind: MeshKind, context: StageContext, inputs: Mapping[str, Path], surface: Surface, request: MeshRequest
+) -> ProgramResult:
+    size = request.size.arguments(surface, kind.count_option)
+    size += ["--feature-angle", repr(request.feature_angle_deg)]
+    with atomic_path(context.workspace / kind.map_name) as path:
+        return kind.parametrize(
+            context, inputs, size, path, request.limits, _part(context.progress, 0.0, 0.5)
+        )
+
+
+def _extract(kind: MeshKind, context: StageContext, limits: Limits) -> tuple[ProgramResult, CellMesh]:
+    with scratch_folder(context.workspace.folder) as scratch:
+        raw = scratch / ("quads.obj" if kind.name == "quad" else "hexes.mesh")
+        arguments: list[str | Path] = [context.workspace / kind.map_name, "-o", raw]
+        result = run_program(kind.extractor, arguments, limits, _part(context.progress, 0.5, 0.7))
+        return result, read_cells(raw)
+
+
+def _smooth(raw: CellMesh, surface: Surface, features: Features, progress: Progress) -> SmoothedMesh:
+    smooth = smooth_quads if raw.kind == "quad" else smooth_hexes
+    return smooth(raw.V, raw.cells, surface, features, SmoothOptions(), progress)
+
+
+def _write(
+    kind: MeshKind,
+    context: StageContext,
+    mesh: CellMesh,
+    surface: Surface,
+    features: Features,
+    output: Path | None,
+) -> Verdict:
+    """Write every file asked for; the verdict is on what is read back."""
+    inside = [context.workspace / name for name in kind.outputs]
+    for path in (*inside, *((output,) if output is not None else ())):
+        with atomic_path(path) as temporary:
+            write_cells(temporary, mesh)
+    context.progress(0.95, "checking")
+    return check_file(inside[0], surface, features)
+
+
+def _what_is_wrong(
+    kind: MeshKind, parametrization: ProgramResult, extraction: ProgramResult, verdict: Verdict
+) -> str | None:
+    """One line, None where the mesh is valid."""
+    if verdict.valid:
+        return None
+    told = [result.last_words for result in (parametrization, extraction) if not result.complete]
+    return "; ".join(
+        [f"the {kind.name} mesh is not valid: {', '.join(verdict.problems)}", *filter(None, told)]
+    )

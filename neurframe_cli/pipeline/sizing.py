@@ -1,0 +1,39 @@
+"""How large the elements shall be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from neurframe_cli.errors import UsageError
+from neurframe_cli.mesh.arrays import Surface
+
+
+@dataclass(frozen=True)
+class ElementSize:
+    """One of: scale S (bounding-box diagonal / edge length), edge_length in input units, count of elements."""
+
+    scale: float | None = None
+    edge_length: float | None = None
+    count: int | None = None
+
+    def arguments(self, surface: Surface, count_option: str) -> list[str]:
+        """The size as the programs take it: an edge length, or a count behind `count_option`."""
+        if self.count is not None:
+            return [count_option, str(self.count)]
+        length = self.edge_length
+        if length is None:
+            assert self.scale is not None, "element_size() sets one of the three"
+            length = float(np.linalg.norm(np.ptp(surface.V, axis=0))) / self.scale
+        return ["--edge-length", repr(length)]
+
+
+def element_size(
+    scale: float | None, edge_length: float | None, count: int | None, default_scale: float
+) -> ElementSize:
+    """The size that was asked for, else the default scale; raises UsageError where more than one was given."""
+    given = [value for value in (scale, edge_length, count) if value is not None]
+    if len(given) > 1:
+        raise UsageError("give only one of --scale, the edge length and the number of elements")
+    return ElementSize(scale, edge_length, count) if given else ElementSize(scale=default_scale)
