@@ -20,7 +20,12 @@ from neurframe_cli.picture.containing_tets import containing_tets
 from neurframe_cli.picture.draw import PICTURES, draw_field
 from neurframe_cli.picture.field_data import FieldData
 from neurframe_cli.picture.scene import SIZE, spread_sample
-from neurframe_cli.picture.vtp import write_crosses_vtp, write_singular_edges_vtp
+from neurframe_cli.picture.vtp import (
+    write_crosses_vtp,
+    write_singular_edges_vtp,
+    write_singular_points_vtp,
+    write_streamlines_vtp,
+)
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +38,19 @@ def cylinder() -> tuple[FieldData, SingularEdges]:
     crosses = crosses_of_frames(frames[adjacency.boundary_tets], face_normals(V, F))
     features = features_by_angle(V, F, 60).edges
     data = FieldData(
-        Surface(V, F), crosses, TetMesh(V, T), frames, features, singular.edges, singular.quarters
+        Surface(V, F),
+        crosses,
+        TetMesh(V, T),
+        frames,
+        features,
+        singular.edges,
+        singular.quarters,
+        singular_points=np.stack([np.full(40, 0.5), np.zeros(40), np.linspace(-0.9, 0.9, 40)], axis=1),
+        point_quarters=np.repeat([-1, 0], 20),
+        streamline_points=np.stack(
+            [np.zeros(60), np.tile([-0.3, 0.3], 30), np.linspace(-0.9, 0.9, 60)], axis=1
+        ),
+        streamline_offsets=np.array([0, 30, 60]),
     )
     return data, singular
 
@@ -73,6 +90,11 @@ def test_each_picture_shows_its_colours(drawn):
     assert share_of_color(drawn["singular"], *strong_blue) < 1e-4
     assert share_of_color(drawn["crosses"], *strong_blue) > 0.002  # strokes along z
     assert share_of_color(drawn["tets"], (150, 100, 30), (255, 220, 150)) > 0.05  # the cut
+    assert (
+        share_of_color(drawn["singularities"], *strong_blue) > 0.0005
+    )  # the points of five hexes, half of all
+    assert share_of_color(drawn["singularities"], *strong_red) < 1e-4
+    assert share_of_color(drawn["streamlines"], (0, 60, 20), (120, 170, 130)) > 0.001  # strokes along y
     assert share_of_color(drawn["frames"], (40, 70, 110), (130, 180, 240)) > 0.02  # the boxes
 
 
@@ -83,7 +105,9 @@ def test_no_singular_edges_and_no_features_make_pictures_too(tmp_path):
     frames = np.broadcast_to(np.eye(3), (len(T), 3, 3))
     crosses = crosses_of_frames(np.broadcast_to(np.eye(3), (len(F), 3, 3)), face_normals(V, F))
     data = FieldData(Surface(V, F), crosses, TetMesh(V, T), frames, none, none, np.zeros(0, np.int64))
-    paths = {name: tmp_path / f"{name}.png" for name in ("singular", "frames")}
+    paths = {
+        name: tmp_path / f"{name}.png" for name in ("singular", "frames", "singularities", "streamlines")
+    }
     draw_field(paths, data)
     assert share_of_color(paths["singular"], (120, 0, 0), (240, 80, 80)) == 0
     assert all(path.stat().st_size > 5000 for path in paths.values())
@@ -102,7 +126,7 @@ def test_field_data_survives_its_file(cylinder, tmp_path):
     data, _ = cylinder
     data.save(tmp_path / "field.npz")
     again = FieldData.load(tmp_path / "field.npz")
-    for name in ("crosses", "frames", "feature_edges", "singular_edges", "quarters"):
+    for name in ("crosses", "frames", "feature_edges", "singular_edges", "quarters", "streamline_points"):
         assert np.array_equal(getattr(again, name), getattr(data, name))
     assert np.array_equal(again.surface.F, data.surface.F)
     assert np.array_equal(again.tets.T, data.tets.T)
@@ -121,6 +145,22 @@ def test_vtp_files_read_back(cylinder, tmp_path):
     ends = lines.points[lines.lines.reshape(-1, 3)[:, 1:]]
     assert np.array_equal(ends, data.tets.V[singular.edges])
     assert np.array_equal(lines.cell_data["quarters"], singular.quarters)
+
+
+def test_vtp_files_of_the_continuous_field_read_back(cylinder, tmp_path):
+    import pyvista
+
+    points, ones = np.random.default_rng(0).normal(size=(5, 3)), np.ones(5, np.int64)
+    write_singular_points_vtp(tmp_path / "p.vtp", points, ones, ones, points)
+    again = pyvista.read(tmp_path / "p.vtp")
+    assert np.array_equal(again.points, points)
+    assert np.array_equal(again.point_data["axis"], points)
+    write_streamlines_vtp(tmp_path / "s.vtp", [points], [points[:2], points[2:]])
+    lines = pyvista.read(tmp_path / "s.vtp")
+    assert lines.cell_data["on_surface"].tolist() == [0, 1, 1]
+    assert np.array_equal(lines.get_cell(2).points, points[2:])
+    write_streamlines_vtp(tmp_path / "none.vtp", [], [])
+    assert pyvista.read(tmp_path / "none.vtp").n_cells == 0
 
 
 def test_an_empty_singular_graph_is_a_file_too(cylinder, tmp_path):

@@ -21,7 +21,7 @@ def draw_singular_points(path: Path, data: FieldData) -> None:
         points = data.singular_points[data.point_quarters == quarters]
         if len(points):
             scene.plotter.add_mesh(
-                polydata(points), color=color, point_size=9.0, render_points_as_spheres=True, ambient=0.25
+                polydata(points), color=color, point_size=13.0, render_points_as_spheres=True, ambient=0.25
             )
             scene.label(color, f"{name}: {len(points)} points")
     scene.surface(data.surface.V, data.surface.F, opacity=0.12, color="#8fa6bf")
