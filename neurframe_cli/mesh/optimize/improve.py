@@ -20,7 +20,7 @@ Harmed = Callable[[Floats], Ints]
 
 # least determinant, in units of the target, from which the energy is a barrier; below it is regularised
 BARRIER_FROM = 1e-3
-LEAST_MERIT = 1e-3  # gained by each round for the worst corners, or it was the last
+LEAST_MERIT, PATIENCE = 1e-3, 4  # a phase ends after so many rounds that gain less
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class ImproveOptions:
     size: float = 0.1
     power: float = 4.0
     anisotropy: float = 0.0
-    gain: float = 1e-4
+    gain: float = 3e-4
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,16 @@ class State:
 
     def better_than(self, other: State) -> bool:
         return (-self.inverted, self.merit) > (-other.inverted, other.merit)
+
+
+@dataclass
+class _Walk:
+    """best: what is kept; foot, outside: where the minimisation is, which may be worse for a while."""
+
+    best: State
+    foot: Foot
+    outside: Floats | None
+    rounds: int = 0
 
 
 class Improver:
@@ -78,20 +88,27 @@ class Improver:
 
     def run(self, start: Floats, progress: Progress) -> tuple[State, int]:
         """Best state found from `start` (n,3), never worse than X in its worst cell, and the number of rounds."""
-        best, foot, power = self.first, self.constraints.project(start), 1.0
-        outside, done = self._outside(foot.points), 0
-        for done in range(1, self.options.rounds + 1):
-            foot, gain = self._relaxed(foot, outside, power)
-            kept = self.guarded(best, foot.points)
-            merit = best.merit
-            best, outside = kept if kept.better_than(best) else best, kept.outside
+        foot = self.constraints.project(start)
+        walk = _Walk(self.first, foot, self._outside(foot.points))
+        self._phase(walk, 1.0, PATIENCE, progress)
+        self._phase(walk, self.options.power, 1, progress)
+        return walk.best, walk.rounds
+
+    def _phase(self, walk: _Walk, power: float, patience: int, progress: Progress) -> None:
+        """Rounds until the energy gains too little, or for `patience` rounds the best state."""
+        idle = 0
+        while idle < patience and walk.rounds < self.options.rounds:
+            walk.foot, gain = self._relaxed(walk.foot, walk.outside, power)
+            kept = self.guarded(walk.best, walk.foot.points)
+            helped = kept.inverted < walk.best.inverted or kept.merit > walk.best.merit + LEAST_MERIT
+            idle = 0 if helped else idle + 1
+            walk.best = kept if kept.better_than(walk.best) else walk.best
+            walk.outside = kept.outside
+            walk.rounds += 1
             report = f"worst {kept.quality.min():.3f}, mean {kept.quality.mean():.3f}"
-            progress(done / self.options.rounds, report)
-            if power > 1.0 and best.merit - merit < LEAST_MERIT:
-                break
+            progress(walk.rounds / (self.options.rounds + 1), report)
             if gain < self.options.gain:
-                power = self.options.power
-        return best, done
+                break
 
     def guarded(self, old: State, new: Floats, harmed: Harmed | None = None) -> State:
         """As near to `new` as every cell allows that may not fall below what `old` permits, and as `harmed` allows:
