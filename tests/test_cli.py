@@ -76,14 +76,16 @@ def test_unusable_input_leaves_the_reason_in_the_manifest(tmp_path: Path) -> Non
     assert "Traceback" not in ended.stderr
 
 
-def test_config_file_sets_defaults_and_the_command_line_wins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_config_file_sets_defaults_and_the_command_line_wins(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     Path("neurframe.toml").write_text("[tetize]\nedge-length = 0.1\nseed = 7\n")
     command = group.get_command(click.Context(group), "tetize")
     assert command is not None
     parent = click.Context(group)
     context = command.make_context("tetize", ["part.stl", "--seed", "3"], parent)
-    assert context.params["edge_length"] == 0.1
+    assert context.params["tet_edge_length"] == 0.1
     assert context.params["seed"] == 3
 
 
@@ -106,10 +108,10 @@ def test_mistakes_in_a_config_file_are_named(tmp_path: Path, text: str, says: st
 
 
 def test_log_json_has_one_record_a_line(tmp_path: Path) -> None:
-    run("doctor", "--log-json", "log.jsonl", "-q", cwd=tmp_path)
-    log = tmp_path / "log.jsonl"
-    assert log.exists()
-    assert all({"time", "level", "message"} <= json.loads(line).keys() for line in log.read_text().splitlines())
+    run("train", "-w", "nowhere", "--log-json", "log.jsonl", cwd=tmp_path)
+    records = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
+    assert all({"time", "level", "message"} <= record.keys() for record in records)
+    assert "nowhere" in records[-1]["message"]
 
 
 def test_internal_errors_are_one_line_and_the_traceback_is_for_those_who_ask(

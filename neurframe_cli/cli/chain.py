@@ -46,7 +46,7 @@ def tetize_stage(
     from neurframe_cli.stages.tetize import TetizeOptions
 
     options = TetizeOptions(
-        edge_length=values["edge_length"],
+        edge_length=values["tet_edge_length"],
         epsilon=values["epsilon"],
         feature_angle_deg=values["feature_angle"],
         seed=values["seed"],

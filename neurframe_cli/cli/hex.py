@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING
 import click
 
 from neurframe_cli.cli.command import StageCommand
-from neurframe_cli.cli.options import force_option, mesh_options, size_options, workspace_option
+from neurframe_cli.cli.options import (
+    count_option,
+    edge_length_option,
+    feature_angle_option,
+    force_option,
+    limit_options,
+    output_option,
+    scale_option,
+    workspace_option,
+)
 
 if TYPE_CHECKING:
     from neurframe_cli.cli.console import Console
@@ -16,8 +25,12 @@ if TYPE_CHECKING:
 
 @click.command(name="hex", cls=StageCommand)
 @workspace_option
-@size_options("hexes", "--target-cells", 30)
-@mesh_options
+@scale_option
+@edge_length_option
+@count_option("--target-cells", "hexes")
+@feature_angle_option
+@output_option
+@limit_options(1800.0, "each program")
 @force_option
 def command(workspace: Path | None, force: bool, threads: int, console: Console, **values: object) -> None:
     """Parametrise the tets along the frames (CubeCover), extract the hexes (HexEx), smooth and check them.

@@ -10,6 +10,8 @@ import click
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
+_positive = click.FloatRange(0, min_open=True)
+
 input_argument = click.argument("model", metavar="INPUT", type=click.Path(path_type=Path))
 workspace_option = click.option(
     "-w",
@@ -35,46 +37,60 @@ def options(*decorators: Callable[[Command], Command]) -> Callable[[Command], Co
     return apply
 
 
-tetize_options = options(
-    click.option(
-        "--edge-length",
-        type=click.FloatRange(1e-4, 1.0),
-        default=0.025,
-        show_default=True,
-        help="Edge length of the tets, in bounding-box diagonals.",
-    ),
-    click.option(
-        "--epsilon",
-        type=click.FloatRange(1e-6, 0.1),
-        default=1e-3,
-        show_default=True,
-        help="How far the surface may move, in bounding-box diagonals.",
-    ),
-    click.option(
-        "--feature-angle",
-        type=click.FloatRange(0, 180),
-        default=45.0,
-        show_default=True,
-        help="Edges that bend by more degrees are features.",
-    ),
-    click.option(
-        "--features",
-        type=click.Path(path_type=Path),
-        help="Feature edges instead of the angle: features.json, or a VTK or OBJ file with lines.",
-    ),
-    click.option(
-        "--timeout",
-        type=click.FloatRange(0, min_open=True),
-        default=600.0,
-        show_default=True,
-        help="Seconds for the tetrahedral meshing.",
-    ),
-    click.option(
-        "--memory", type=click.IntRange(64), help="MiB that a child process may use.  [default: what is free]"
-    ),
+def tetize_options(edge_length_name: str) -> Callable[[Command], Command]:
+    """Options of tetize; `run` calls the edge length of the tets by a longer name."""
+    return options(
+        click.option(
+            edge_length_name,
+            "tet_edge_length",
+            type=click.FloatRange(1e-4, 1.0),
+            default=0.025,
+            show_default=True,
+            help="Edge length of the tets, in bounding-box diagonals.",
+        ),
+        click.option(
+            "--epsilon",
+            type=click.FloatRange(1e-6, 0.1),
+            default=1e-3,
+            show_default=True,
+            help="How far the surface may move, in bounding-box diagonals.",
+        ),
+        click.option(
+            "--features",
+            type=click.Path(path_type=Path),
+            help="Feature edges instead of the angle: features.json, or a file with lines (OBJ, VTK, .sharp).",
+        ),
+    )
+
+
+def limit_options(timeout_s: float, what: str) -> Callable[[Command], Command]:
+    """--timeout and --memory of child processes."""
+    return options(
+        click.option(
+            "--timeout", type=_positive, default=timeout_s, show_default=True, help=f"Seconds for {what}."
+        ),
+        click.option(
+            "--memory",
+            type=click.IntRange(64),
+            help="MiB for a child process.  [default: what is free]",
+        ),
+    )
+
+
+feature_angle_option = click.option(
+    "--feature-angle",
+    type=click.FloatRange(0, 180),
+    default=45.0,
+    show_default=True,
+    help="Edges that bend by more degrees are features.",
+)
+output_option = click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    help="A further file for the mesh; its extension is the format.",
 )
 
-_positive = click.FloatRange(0, min_open=True)
 _share = click.FloatRange(0, 1, min_open=True)
 
 train_options = options(
@@ -158,34 +174,16 @@ discretize_options = options(
 )
 
 
-def size_options(element: str, count_option: str, default_scale: int) -> Callable[[Command], Command]:
-    """--scale, --edge-length, or a count: how large the elements shall be."""
-    return options(
-        click.option(
-            "--scale",
-            type=_positive,
-            help=f"Edge length = bounding-box diagonal / SCALE.  [default: {default_scale}]",
-        ),
-        click.option("--edge-length", type=_positive, help="Edge length in units of the input."),
-        click.option(count_option, "count", type=click.IntRange(1), help=f"About how many {element}."),
-    )
-
-
-mesh_options = options(
-    click.option(
-        "--feature-angle",
-        type=click.FloatRange(0, 180),
-        default=45.0,
-        show_default=True,
-        help="Sharp edges of the input, degrees.",
-    ),
-    click.option(
-        "-o", "--output", type=click.Path(path_type=Path), help="A further file; its extension is the format."
-    ),
-    click.option(
-        "--timeout", type=_positive, default=1800.0, show_default=True, help="Seconds for each program."
-    ),
-    click.option(
-        "--memory", type=click.IntRange(64), help="MiB that a program may use.  [default: no limit]"
-    ),
+scale_option = click.option(
+    "--scale",
+    type=_positive,
+    help="Edge length = bounding-box diagonal / SCALE.  [default: quads 100, hexes 30]",
 )
+edge_length_option = click.option(
+    "--edge-length", type=_positive, help="Edge length of the elements, in input units."
+)
+
+
+def count_option(name: str, elements: str) -> Callable[[Command], Command]:
+    """How many elements there shall be."""
+    return click.option(name, "count", type=click.IntRange(1), help=f"About how many {elements}.")

@@ -9,8 +9,10 @@ import click
 
 from neurframe_cli.cli.command import StageCommand
 from neurframe_cli.cli.options import (
+    feature_angle_option,
     force_option,
     input_argument,
+    limit_options,
     seed_option,
     tetize_options,
     workspace_option,
@@ -23,7 +25,9 @@ if TYPE_CHECKING:
 @click.command(name="tetize", cls=StageCommand)
 @input_argument
 @workspace_option
-@tetize_options
+@tetize_options("--edge-length")
+@feature_angle_option
+@limit_options(600.0, "the tetrahedral meshing")
 @seed_option
 @force_option
 def command(

@@ -45,10 +45,9 @@ def _through_meshio(path: Path, mesh: CellMesh) -> None:
     import meshio
 
     name = "hexahedron" if mesh.kind == "hex" else "quad"
-    # the ASCII dialects: readable everywhere, and without a date or a random id in them
-    options = {".vtk": {"binary": False}, ".vtu": {"binary": False}, ".ply": {"binary": False}}
+    # meshio's PLY writer wants 32-bit indices
     cells = mesh.cells.astype(np.int32) if path.suffix.lower() == ".ply" else mesh.cells
-    meshio.Mesh(mesh.V, [(name, cells)]).write(path, **options.get(path.suffix.lower(), {}))
+    meshio.Mesh(mesh.V, [(name, cells)]).write(path)
 
 
 def _lines(rows: NDArray[Any], start: str = "") -> str:
