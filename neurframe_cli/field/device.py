@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import platform
 from dataclasses import dataclass
+from typing import Any
 
 import torch
 
@@ -29,7 +31,7 @@ def choose_device(device: str, precision: str) -> Device:
     """
     name = _device_name(device)
     if precision == "tf32" and name == "cuda":
-        torch.backends.cuda.matmul.fp32_precision = "tf32"
+        torch.set_float32_matmul_precision("high")
     wants_bf16 = precision == "bf16" or (precision == "auto" and _multiplies_bf16(name))
     hidden_dtype = torch.bfloat16 if wants_bf16 and bf16_error(name) < WORST_BF16_ERROR else torch.float32
     label = torch.cuda.get_device_name() if name == "cuda" else _cpu_name()
@@ -57,8 +59,14 @@ def _multiplies_bf16(name: str) -> bool:
     """Whether bfloat16 products are fast: on x86 only with AMX (AVX-512 BF16 alone was not measured)."""
     if name == "cuda":
         return bool(torch.cuda.is_bf16_supported(including_emulation=False))
-    return bool(torch.cpu.get_capabilities().get("amx_bf16", False))
+    return bool(_cpu_capabilities().get("amx_bf16", False))
 
 
 def _cpu_name() -> str:
-    return str(torch.cpu.get_capabilities().get("cpu_name", "CPU"))
+    return str(_cpu_capabilities().get("cpu_name") or platform.processor() or platform.machine())
+
+
+def _cpu_capabilities() -> dict[str, Any]:
+    """What PyTorch knows of the processor; versions before 2.10 do not say, and then bfloat16 is not chosen."""
+    capabilities: dict[str, Any] = getattr(torch.cpu, "get_capabilities", dict)()
+    return capabilities

@@ -39,7 +39,7 @@ class TrainOptions:
     method: str = "neural"
     iterations: int | None = None
     batch_fraction: float | None = None
-    refinements: int = 4
+    refinements: int = 3
     learning_rate: float | None = None
     time_budget_s: float | None = None
     lambda_smooth: float = 1.0
