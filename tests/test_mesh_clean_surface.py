@@ -10,7 +10,7 @@ import pytest
 from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Floats, Surface, as_surface
 from neurframe_cli.mesh.clean_surface import clean_surface
-from neurframe_cli.mesh.open_surface import hole_share, refuse_large_holes
+from neurframe_cli.mesh.open_surface import doubtful_share, refuse_large_holes
 from neurframe_cli.mesh.orient_surface import enclosed_volume
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.mesh.surface_distance import distances, sample_surface
@@ -86,12 +86,28 @@ def lidless(cube: Surface) -> Surface:
     return as_surface(cube.V, cube.F[centre[:, 2] < 10 - 1e-9])
 
 
-def test_hole_share_of_a_box_without_lid(cube: Surface) -> None:
+def test_a_box_without_lid_has_no_inside(cube: Surface) -> None:
     box = lidless(cube)
-    assert hole_share(box.V, box.F) == pytest.approx(1 / 6)
-    with pytest.raises(InvalidMesh, match="17%"):
+    assert 0.1 < doubtful_share(box) < 0.5
+    with pytest.raises(InvalidMesh, match="the surface is open"):
         refuse_large_holes(box)
     assert refuse_large_holes(cube) == []
+
+
+def test_a_missing_triangle_does_no_harm_even_inside_out() -> None:
+    torus = read_surface(SAMPLES / "torus.obj")
+    clean, report = clean_surface(as_surface(torus.V, torus.F[1:, ::-1]))
+    assert report.open_edges == 3
+    assert report.turned == len(clean.F)
+    assert doubtful_share(clean) < 0.01
+    (warning,) = refuse_large_holes(clean)
+    assert "3 edges" in warning
+
+
+def test_a_sheet_is_no_solid() -> None:
+    sheet = mesh(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.1]]), [[0, 1, 2], [1, 3, 2]])
+    with pytest.raises(InvalidMesh, match="open"):
+        refuse_large_holes(clean_surface(sheet)[0])
 
 
 def mesh(V: Floats, F: list[list[int]]) -> Surface:

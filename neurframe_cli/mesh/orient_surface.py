@@ -7,6 +7,9 @@ import numpy as np
 from neurframe_cli.mesh.arrays import Bools, Floats, Ints
 from neurframe_cli.mesh.surface_edges import directed_edges
 
+# an open patch is taken for a solid with a hole from this part of the volume of the ball with its area
+LEAST_OF_BALL = 0.05
+
 
 def enclosed_volume(V: Floats, F: Ints) -> float:
     """Signed volume of a closed surface, positive when its triangles are counter-clockwise seen from outside."""
@@ -20,7 +23,8 @@ def orient(V: Floats, F: Ints) -> Ints:
 
     A patch is what is connected over edges with two triangles.  Where the file's own orientation has no
     contradiction it is kept, as only it can tell a cavity from a solid, unless a shell that lies in no other shell
-    is inside out: that one is turned, with nothing else.
+    is inside out: that one is turned, with nothing else.  So is a patch with holes that encloses a volume all the
+    same, measured from the middle of its border.
     """
     import igl
 
@@ -39,16 +43,29 @@ def _consistent(F: Ints) -> bool:
 
 
 def _inside_out(V: Floats, F: Ints, patch: Ints) -> Bools:
-    """(p,) which patches are closed, of negative volume, and inside no other closed patch."""
+    """(p,) which patches have a negative volume, and are not closed and inside another closed patch."""
     count = int(patch.max()) + 1
     closed = _closed(F, patch, count)
-    volumes = np.array([enclosed_volume(V, F[patch == i]) if closed[i] else 0.0 for i in range(count)])
+    volumes = np.array([_volume(V, F[patch == i], bool(closed[i])) for i in range(count)])
     inward = volumes < 0
-    solids = [i for i in range(count) if volumes[i] > 0]
-    for i in np.flatnonzero(inward):
+    solids = [i for i in range(count) if volumes[i] > 0 and closed[i]]
+    for i in np.flatnonzero(inward & closed):
         point = V[F[patch == i][:1]].mean(axis=1)
         inward[i] = not any(_contains(V, F[patch == j], point) for j in solids)
     return inward
+
+
+def _volume(V: Floats, F: Ints, is_closed: bool) -> float:
+    """Signed volume of a patch; 0 for an open one that encloses next to nothing, as a flat sheet does."""
+    if is_closed:
+        return enclosed_volume(V, F)
+    directed = directed_edges(F)
+    _, edge_of, count = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True)
+    middle = V[directed[count[edge_of.reshape(-1)] == 1]].mean(axis=(0, 1))
+    cones = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
+    volume = float(np.einsum("ij,ij->", cones, V[F[:, 0]] - middle) / 6)
+    ball = (np.linalg.norm(cones, axis=1).sum() / 2) ** 1.5 / (6 * np.sqrt(np.pi))
+    return volume if abs(volume) > LEAST_OF_BALL * ball else 0.0
 
 
 def _closed(F: Ints, patch: Ints, count: int) -> Bools:
