@@ -67,6 +67,6 @@ def _cpu_name() -> str:
 
 
 def _cpu_capabilities() -> dict[str, Any]:
-    """What PyTorch knows of the processor; versions before 2.10 do not say, and then bfloat16 is not chosen."""
+    """What PyTorch knows of the processor; older versions do not say, and then bfloat16 is not chosen."""
     capabilities: dict[str, Any] = getattr(torch.cpu, "get_capabilities", dict)()
     return capabilities
