@@ -50,6 +50,8 @@ class TetizeOptions:
         _check_range("seed", self.seed, 0, 2**63 - 1)
         _check_range("threads", self.threads, 0, 4096)
         _check_range("timeout", self.timeout_s, 0.0, float("inf"))
+        if self.memory_mib is not None:
+            _check_range("memory", self.memory_mib, 1.0, float("inf"))
 
 
 @dataclass(frozen=True)
