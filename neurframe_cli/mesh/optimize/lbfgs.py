@@ -35,7 +35,9 @@ def minimise(energy: Energy, x: Floats, scale: Floats, options: LbfgsOptions) ->
     pairs: deque[tuple[Floats, Floats, float]] = deque(maxlen=options.memory)
     for _ in range(options.iterations):
         direction = -_inverse_hessian_product(gradient, pairs, scale)
-        found = _line_search(energy, x, value, gradient, direction)
+        # the first gradient of a tangled mesh is huge: no vertex goes farther than its own scale
+        far = 0.0 if pairs else float(np.sqrt((direction**2).sum(axis=1, keepdims=True) / scale).max())
+        found = _line_search(energy, x, value, gradient, direction / max(1.0, far))
         if found is None:
             break
         new_x, new_value, new_gradient = found
