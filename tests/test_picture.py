@@ -39,12 +39,12 @@ def cylinder() -> tuple[FieldData, SingularEdges]:
     features = features_by_angle(V, F, 60).edges
     data = FieldData(
         Surface(V, F),
-        crosses,
         TetMesh(V, T),
-        frames,
         features,
-        singular.edges,
-        singular.quarters,
+        crosses=crosses,
+        frames=frames,
+        singular_edges=singular.edges,
+        quarters=singular.quarters,
         singular_points=np.stack([np.full(40, 0.5), np.zeros(40), np.linspace(-0.9, 0.9, 40)], axis=1),
         point_quarters=np.repeat([-1, 0], 20),
         streamline_points=np.stack(
@@ -101,10 +101,7 @@ def test_each_picture_shows_its_colours(drawn):
 def test_no_singular_edges_and_no_features_make_pictures_too(tmp_path):
     V, T = box_tets((1, 1, 1))
     F = tet_adjacency(T).boundary_faces
-    none = np.zeros((0, 2), np.int64)
-    frames = np.broadcast_to(np.eye(3), (len(T), 3, 3))
-    crosses = crosses_of_frames(np.broadcast_to(np.eye(3), (len(F), 3, 3)), face_normals(V, F))
-    data = FieldData(Surface(V, F), crosses, TetMesh(V, T), frames, none, none, np.zeros(0, np.int64))
+    data = FieldData(Surface(V, F), TetMesh(V, T), frames=np.broadcast_to(np.eye(3), (len(T), 3, 3)))
     paths = {
         name: tmp_path / f"{name}.png" for name in ("singular", "frames", "singularities", "streamlines")
     }

@@ -53,7 +53,7 @@ def tetize_stage(
         timeout_s=values["timeout"],
         memory_mib=values["memory"],
     )
-    return _run(workspace, tetize_step(model, values["features"], options), console, force)
+    return run_step(workspace, tetize_step(model, values["features"], options), console, force=force)
 
 
 def train_stage(
@@ -68,7 +68,7 @@ def train_stage(
         time_budget_s=values["time_budget"],
         threads=threads,
     )
-    return _run(workspace, train_step(workspace, options, fresh=force), console, force)
+    return run_step(workspace, train_step(workspace, options, fresh=force), console, force=force)
 
 
 def discretize_stage(
@@ -78,7 +78,7 @@ def discretize_stage(
     from neurframe_cli.pipeline.discretize_step import discretize_step
 
     step = discretize_step(workspace, values["surface"], pictures=values["pictures"])
-    return _run(workspace, step, console, force)
+    return run_step(workspace, step, console, force=force)
 
 
 def points_stage(
@@ -87,7 +87,7 @@ def points_stage(
     """Field -> frames at given points."""
     from neurframe_cli.pipeline.discretize_step import points_step
 
-    return _run(workspace, points_step(workspace, points), console, force)
+    return run_step(workspace, points_step(workspace, points), console, force=force)
 
 
 def mesh_stage(
@@ -113,10 +113,11 @@ def mesh_stage(
     limits = Limits(values["timeout"], values["memory"], threads)
     request = MeshRequest(size, values["feature_angle"], values["output"], limits)
     step = (quad_step if kind == "quad" else hex_step)(workspace, request)
-    return _run(workspace, step, console, force)
+    return run_step(workspace, step, console, force=force)
 
 
-def _run(workspace: Workspace, step: Step, console: Console, force: bool) -> StageOutcome:
+def run_step(workspace: Workspace, step: Step, console: Console, *, force: bool = False) -> StageOutcome:
+    """Run one step with its progress shown, and say what came of it."""
     with console.progress(step.name) as progress:
         outcome = run_stage(workspace, step, progress, force=force)
     record = outcome.record
@@ -155,4 +156,4 @@ def _summary(stage: str, report: Mapping[str, Any]) -> list[str]:
             f"{mesh['mean_scaled_jacobian']:.3f} (mean), distance to the input {100 * mesh['hausdorff']:.2f} % of the "
             "diagonal"
         ]
-    return []
+    return [", ".join(f"{value} {name}" for name, value in report.items())]

@@ -22,6 +22,8 @@ COMMANDS = {
     "tetize": "Fill a surface with tetrahedra, or take a tet mesh as it is.",
     "train": "Learn a smooth, aligned frame field in the tets.",
     "discretize": "Query the field: frames on tets, crosses on triangles.",
+    "singularities": "Points on the singular graph of the continuous field.",
+    "streamlines": "Curves along the axes of the continuous field.",
     "quad": "Quad mesh from the crosses: integer-grid map, extraction, smoothing, check.",
     "hex": "Hex mesh from the frames: integer-grid map, extraction, smoothing, check.",
     "check": "Validity and quality of a quad or hex mesh against its input.",

@@ -162,6 +162,10 @@ train_options = options(
     ),
 )
 
+pictures_option = click.option(
+    "--pictures/--no-pictures", default=True, show_default=True, help="Draw PNG pictures."
+)
+
 discretize_options = options(
     click.option(
         "--surface",
@@ -170,7 +174,7 @@ discretize_options = options(
         show_default=True,
         help="Triangles for the crosses: the input's or the tets'; auto: the input's where they are good enough.",
     ),
-    click.option("--pictures/--no-pictures", default=True, show_default=True, help="Draw PNG pictures."),
+    pictures_option,
 )
 
 

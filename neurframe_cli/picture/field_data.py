@@ -15,19 +15,19 @@ from neurframe_cli.mesh.arrays import Floats, Ints, Surface, TetMesh
 class FieldData:
     """A field on tets and on a surface.
 
-    crosses (m,2,3) on the surface; frames (q,3,3) on the tets, axes as columns; feature_edges (k,2) and
-    singular_edges (s,2): vertex pairs of the tets; quarters (s,) as in SingularEdges.  Where there are such:
+    feature_edges (k,2): vertex pairs of the tets.  What a picture needs besides: crosses (m,2,3) on the surface;
+    frames (q,3,3) on the tets, axes as columns; singular_edges (s,2) and quarters (s,) as in SingularEdges;
     singular_points (p,3) of the continuous field with point_quarters (p,), and streamlines, one after the other,
     streamline i being streamline_points[streamline_offsets[i]:streamline_offsets[i+1]].
     """
 
     surface: Surface
-    crosses: Floats
     tets: TetMesh
-    frames: Floats
-    feature_edges: Ints
-    singular_edges: Ints
-    quarters: Ints
+    feature_edges: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    crosses: Floats = field(default_factory=lambda: np.zeros((0, 2, 3)))
+    frames: Floats = field(default_factory=lambda: np.zeros((0, 3, 3)))
+    singular_edges: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    quarters: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     singular_points: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     point_quarters: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     streamline_points: Floats = field(default_factory=lambda: np.zeros((0, 3)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,14 +11,14 @@ import numpy as np
 from neurframe_cli.errors import StageError
 from neurframe_cli.field.field_file import read_field
 from neurframe_cli.field.fra import write_fra
-from neurframe_cli.mesh.arrays import Surface, TetMesh
+from neurframe_cli.mesh.arrays import Features, Surface, TetMesh
 from neurframe_cli.mesh.features import read_features
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.mesh.read_tets import read_medit
 from neurframe_cli.picture.draw import draw_field
 from neurframe_cli.picture.field_data import FieldData
 from neurframe_cli.picture.vtp import write_crosses_vtp, write_singular_edges_vtp
-from neurframe_cli.pipeline.atomic import atomic_path
+from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.tetize_step import FEATURES, SURFACE, TETS
 from neurframe_cli.pipeline.train_step import FIELD
@@ -51,10 +52,7 @@ def discretize_step(workspace: Workspace, choice: Choice, *, pictures: bool = Tr
         _write(context, found, tets, surface)
         if pictures:
             context.progress(0.8, "pictures")
-            _draw(context, FieldData(
-                surface=surface, crosses=found.crosses, tets=tets, frames=found.tets.frames,
-                feature_edges=features.edges, singular_edges=found.singular.edges, quarters=found.singular.quarters,
-            ))  # fmt: skip
+            draw_or_warn(context, PICTURES, _picture_data(found, tets, surface, features))
         return {**found.summary(), "surface": reason}
 
     return Step(
@@ -90,13 +88,29 @@ def _save(path: Path, **arrays: Any) -> None:
         np.savez(temporary, **arrays)
 
 
-def _draw(context: StageContext, data: FieldData) -> None:
-    """Pictures, or a warning where this machine cannot draw: the frames do not depend on them."""
-    targets = {name: context.workspace / file for name, file in PICTURES.items()}
-    try:
-        draw_field(targets, data)
-    except StageError as error:
-        context.warn(f"no pictures: {error}")
+def _picture_data(found: Discretization, tets: TetMesh, surface: Surface, features: Features) -> FieldData:
+    return FieldData(
+        surface,
+        tets,
+        features.edges,
+        crosses=found.crosses,
+        frames=found.tets.frames,
+        singular_edges=found.singular.edges,
+        quarters=found.singular.quarters,
+    )
+
+
+def draw_or_warn(context: StageContext, pictures: Mapping[str, str], data: FieldData) -> None:
+    """Pictures by name -> file in the workspace, or a warning where this machine cannot draw: no result needs them."""
+    with scratch_folder(context.workspace.folder) as scratch:
+        drawn = {name: scratch / file for name, file in pictures.items()}
+        try:
+            draw_field(drawn, data)
+        except StageError as error:
+            context.warn(f"no pictures: {error}")
+            return
+        for path in drawn.values():
+            path.replace(context.workspace / path.name)
 
 
 def points_step(workspace: Workspace, points_file: Path) -> Step:

@@ -14,7 +14,7 @@ import numpy as np
 
 from neurframe_cli import __version__
 from neurframe_cli.errors import NeurframeError, StageError
-from neurframe_cli.mesh.arrays import Features, Surface, silent
+from neurframe_cli.mesh.arrays import Features, Surface, TetMesh, silent
 from neurframe_cli.pipeline.executables import PROGRAMS, find_executable
 from neurframe_cli.process import run_child
 
@@ -115,7 +115,6 @@ def _tetize_cube() -> str:
 
 
 def _train_cube(threads: int) -> str:
-    from neurframe_cli.mesh.arrays import TetMesh
     from neurframe_cli.stages.train import TrainOptions, train
 
     surface = cube()
@@ -134,14 +133,7 @@ def _draw_cube() -> str:
     from neurframe_cli.picture.field_data import FieldData
 
     surface = cube()
-    tets = surface.V, np.array([[0, 4, 2, 1]], np.int64)
-    from neurframe_cli.mesh.arrays import TetMesh
-
-    nothing = np.zeros((0, 2), np.int64)
-    crosses = np.zeros((len(surface.F), 2, 3))
-    data = FieldData(
-        surface, crosses, TetMesh(*tets), np.eye(3)[None], nothing, nothing, np.zeros(0, np.int64)
-    )
+    data = FieldData(surface, TetMesh(surface.V, np.array([[0, 4, 2, 1]], np.int64)))
     with tempfile.TemporaryDirectory() as scratch:
         picture = Path(scratch) / "cube.png"
         draw_field({"singular": picture}, data)
