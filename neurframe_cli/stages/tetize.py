@@ -18,7 +18,7 @@ from neurframe_cli.mesh.manifold_boundary import boundary_surface, make_boundary
 from neurframe_cli.mesh.open_surface import refuse_large_holes
 from neurframe_cli.mesh.subdivide_boundary_tets import subdivide_boundary_tets
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
-from neurframe_cli.stages.tetize_attempts import Attempt, first_success, manifold_warnings
+from neurframe_cli.stages.tetize_attempts import Attempt, Task, first_success, manifold_warnings
 from neurframe_cli.stages.tetize_check import Fit
 
 
@@ -97,25 +97,18 @@ def tetize(
         progress(0.0, "cleaning the surface")
         surface, report = clean_surface(model, name)
         warnings = _cleaning_warnings(report) + refuse_large_holes(surface, name)
-        return _filled(surface, report, warnings, options, progress, scratch_dir, started)
+        return _filled(Task(surface, report, options, progress, scratch_dir), warnings, started)
     return _passed_through(*model, options, started, name)
 
 
-def _filled(
-    surface: Surface,
-    report: CleaningReport,
-    warnings: list[str],
-    options: TetizeOptions,
-    progress: Progress,
-    scratch_dir: Path,
-    started: float,
-) -> TetizeResult:
-    found = first_success(surface, report, options, progress, scratch_dir)
-    tets, _, divided = _divide(found.tets, np.zeros((0, 2), np.int64), options)
-    features, feature_warnings = _features(tets, options)
-    progress(1.0, "tets done")
+def _filled(task: Task, warnings: list[str], started: float) -> TetizeResult:
+    """fTetWild's tets, divided, with their features."""
+    found = first_success(task)
+    tets, _, divided = _divide(found.tets, np.zeros((0, 2), np.int64), task.options)
+    features, feature_warnings = _features(tets, task.options)
+    task.progress(1.0, "tets done")
     return TetizeResult(
-        surface=surface,
+        surface=task.surface,
         tets=tets,
         features=features,
         seeded=found.seeded,
@@ -124,7 +117,7 @@ def _filled(
         attempts=found.attempts,
         divided=divided,
         edge_length=found.attempts[-1].settings.edge_length_fac,
-        cleaning=report,
+        cleaning=task.report,
         fit=found.fit,
     )
 

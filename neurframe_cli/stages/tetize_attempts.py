@@ -52,39 +52,55 @@ class Success:
     attempts: tuple[Attempt, ...]
 
 
-def first_success(
-    surface: Surface, report: CleaningReport, options: TetizeOptions, progress: Progress, scratch_dir: Path
-) -> Success:
+@dataclass(frozen=True)
+class Task:
+    """What every attempt works on."""
+
+    surface: Surface
+    report: CleaningReport
+    options: TetizeOptions
+    progress: Progress
+    scratch_dir: Path
+
+
+def first_success(task: Task) -> Success:
     """The tets of the first settings that lead to valid ones; raises the error of the last when none do."""
+    options = task.options
     deadline = time.monotonic() + options.timeout_s
-    boxed = _to_unit_box(surface)
-    first = TetwildSettings(options.edge_length, options.epsilon, num_threads=options.threads)
-    settings: TetwildSettings | None = first
+    first = settings = TetwildSettings(options.edge_length, options.epsilon, num_threads=options.threads)
     attempts: list[Attempt] = []
     while True:
-        assert settings is not None
         started = time.monotonic()
         share = TIME_SHARE if settings_after(first, settings, TimedOut("")) else 1.0
         try:
-            run = run_tetwild(
-                boxed.surface,
-                settings,
-                seed=options.seed,
-                timeout_s=(deadline - started) * share,
-                memory_mib=options.memory_mib or _free_mib(),
-                progress=progress,
-                scratch_dir=scratch_dir,
-            )
-            tets, found, warnings = _accepted(run, boxed, surface, report, settings)
+            run, accepted = _attempt(task, settings, (deadline - started) * share)
         except (StageError, TimedOut) as error:
             attempts.append(Attempt(settings, f"{type(error).__name__}: {error}", time.monotonic() - started))
-            settings = settings_after(first, settings, error)
-            if settings is None or time.monotonic() >= deadline:
+            following = settings_after(first, settings, error)
+            if following is None or time.monotonic() >= deadline:
                 raise _final(error, attempts) from error
-            progress(0.0, f"again with other settings ({error})")
+            settings = following
+            task.progress(0.0, f"again with other settings ({error})")
             continue
         attempts.append(Attempt(settings, "done", time.monotonic() - started, run.cpu_seconds, run.peak_mib))
-        return Success(tets, found, run.seeded, _other_settings(attempts) + warnings, tuple(attempts))
+        warnings = _other_settings(attempts) + accepted.warnings
+        return Success(accepted.tets, accepted.fit, run.seeded, warnings, tuple(attempts))
+
+
+def _attempt(task: Task, settings: TetwildSettings, timeout_s: float) -> tuple[TetwildRun, Accepted]:
+    """One run and its checks; raises StageError or TimedOut."""
+    boxed = _to_unit_box(task.surface)
+    run = run_tetwild(
+        boxed.surface,
+        settings,
+        seed=task.options.seed,
+        timeout_s=timeout_s,
+        memory_mib=task.options.memory_mib or _free_mib(),
+        progress=task.progress,
+        scratch_dir=task.scratch_dir,
+    )
+    task.progress(0.96, "checking the tets")
+    return run, _accepted(run, boxed, task, settings.epsilon)
 
 
 def settings_after(first: TetwildSettings, last: TetwildSettings, error: Exception) -> TetwildSettings | None:
@@ -126,25 +142,30 @@ def _to_unit_box(surface: Surface) -> UnitBox:
     return UnitBox(as_surface((surface.V - origin) / scale, surface.F), origin, float(scale))
 
 
-def _accepted(
-    run: TetwildRun, boxed: UnitBox, surface: Surface, report: CleaningReport, settings: TetwildSettings
-) -> tuple[TetMesh, Fit, list[str]]:
-    """Tets in input coordinates, how they fit, and warnings; raises StageError for what cannot be used."""
+@dataclass(frozen=True)
+class Accepted:
+    """Tets in input coordinates that passed the checks."""
+
+    tets: TetMesh
+    fit: Fit
+    warnings: list[str]
+
+
+def _accepted(run: TetwildRun, boxed: UnitBox, task: Task, epsilon: float) -> Accepted:
+    """Moves fTetWild's tets back and checks them; raises StageError for what cannot be used."""
     if len(run.T) == 0:
         raise EmptyResultError("fTetWild returned no tets")
     try:
         tets, _ = checked_tets(run.V * boxed.scale + boxed.origin, run.T, "fTetWild's result")
         tets, manifold = make_boundary_manifold(tets)
         checked_tets(tets.V, tets.T, "fTetWild's result, taken apart where it touches itself")
-        if manifold.pinched_vertices:
-            raise StageError(
-                f"the boundary of the tets touches itself at {manifold.pinched_vertices} vertices"
-            )
     except InvalidMesh as error:
         raise StageError(str(error)) from error
-    found = fit(tets, surface, report)
-    warnings = refuse_misfit(found, settings.epsilon, report)
-    return tets, found, warnings + manifold_warnings(manifold)
+    if manifold.pinched_vertices:
+        raise StageError(f"the boundary of the tets touches itself at {manifold.pinched_vertices} vertices")
+    found = fit(tets, task.surface, task.report)
+    warnings = refuse_misfit(found, epsilon, task.report)
+    return Accepted(tets, found, warnings + manifold_warnings(manifold))
 
 
 def manifold_warnings(report: ManifoldReport) -> list[str]:
