@@ -13,7 +13,7 @@ from neurframe_cli.mesh.arrays import Floats, TetMesh
 from neurframe_cli.mesh.inside import depth_in_surface, random_points_in_tets
 from neurframe_cli.stages.singularities import SingularitiesOptions, find_singularities
 
-OPTIONS = SingularitiesOptions(samples=400, radius=0.15, tolerance=0.01)
+OPTIONS = SingularitiesOptions(samples=200, radius=0.15, tolerance=0.01)
 
 
 def test_loops_follow_the_nearest_image_whatever_the_axes_are_called():
@@ -36,7 +36,7 @@ def test_loops_follow_the_nearest_image_whatever_the_axes_are_called():
 @pytest.mark.slow
 def test_the_cylinder_has_points_on_its_four_lines_only_and_all_along_them():
     V, T = cylinder_tets(14, 6)
-    options = SingularitiesOptions(tolerance=0.01)
+    options = SingularitiesOptions(samples=1500, tolerance=0.01)
     found = find_singularities(lambda p: frame_to_band4(four_line_frames(p)), TetMesh(V, T), options)
     assert (found.quarters == 1).all()
     assert np.abs(found.axis[:, 2]) == pytest.approx(np.ones(len(found.points)), abs=1e-9)

@@ -15,7 +15,7 @@ import numpy as np
 from neurframe_cli.field.frame_loops import loop_holonomies
 from neurframe_cli.field.octahedral_group import AXIS, TURN, Turn
 from neurframe_cli.field.rotations import random_rotations
-from neurframe_cli.mesh.arrays import Floats, Ints, Progress, Surface, TetMesh, silent
+from neurframe_cli.mesh.arrays import Bools, Floats, Ints, Progress, Surface, TetMesh, silent
 from neurframe_cli.mesh.inside import depth_in_surface, random_points_in_tets
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
 from neurframe_cli.stages.discretize import Query, sample_frames
@@ -28,9 +28,9 @@ _GRAZING = 0.25  # cosine between the line and the normal of its triangle
 
 @dataclass(frozen=True)
 class SingularitiesOptions:
-    """samples: random triangles, a sixth of them all over the volume, the others near what has been found;
-    radius: their circumradius at most, and tolerance: the longest side of the last ones, both in bounding-box
-    diagonals; points_per_side: where the field is asked on the border; seed: of the random numbers."""
+    """samples: random triangles all over the volume, half as many follow near what they find; radius: their
+    circumradius at most, and tolerance: the longest side of the last ones, both in bounding-box diagonals;
+    points_per_side: where the field is asked on a border; seed: of the random numbers."""
 
     samples: int = 2000
     radius: float = 0.08
@@ -42,12 +42,16 @@ class SingularitiesOptions:
 @dataclass(frozen=True)
 class SingularPoints:
     """Points (k,3) of the singular graph; turn (k,) a Turn each; quarters (k,) as in SingularEdges, its sign
-    where the triangle and the line cross steeply; axis (k,3): of the rotation, unit, zero for compounds."""
+    as the line crosses its triangle; axis (k,3): of the rotation, unit, zero for compounds."""
 
     points: Floats
     turn: Ints
     quarters: Ints
     axis: Floats
+
+    def where(self, which: Bools) -> SingularPoints:
+        """Some of the points."""
+        return SingularPoints(self.points[which], self.turn[which], self.quarters[which], self.axis[which])
 
 
 def find_singularities(
@@ -56,22 +60,22 @@ def find_singularities(
     options: SingularitiesOptions | None = None,
     progress: Progress = silent,
 ) -> SingularPoints:
-    """Points of the singular graph of the field inside the tet mesh; raises StageError where it is not
-    finite.
+    """Points of the singular graph of the field inside the tet mesh.
 
-    A triangle keeps clear of the boundary, and so is small near it: lines are found up to about the tolerance
-    from it.
+    Triangles are smaller near the boundary, so that lines there are met less often.  Raises StageError where the
+    field is not finite.
     """
     options = options or SingularitiesOptions()
     rng = np.random.default_rng(options.seed)
     domain = _Domain(tets, options)
     found = _joined([])
     for done in range(_ROUNDS):
-        count = options.samples // 2 if done == 0 else options.samples // (2 * (_ROUNDS - 1))
+        count = options.samples if done == 0 else options.samples // 10
         centers = random_points_in_tets(tets, count, rng) if done == 0 else domain.near(found, count, rng)
         triangles = domain.triangles(centers, rng)
         tell = partial(_tell, progress, done)
-        found = _joined([found, _search(query, triangles, options, domain.tolerance, tell)])
+        more = _search(query, triangles, options, domain.tolerance, tell)
+        found = _joined([found, more.where(domain.depth(more.points) > 0)])
     progress(1.0, f"{len(found.points)} singular points")
     return found
 
@@ -100,13 +104,24 @@ class _Domain:
         return np.asarray(found.points[chosen] + self.radius * (along + noise))
 
     def triangles(self, centers: Floats, rng: np.random.Generator) -> Floats:
-        """Equilateral triangles (k,3,3), randomly turned, round those centers that have room for one."""
-        radius = np.minimum(self.radius, depth_in_surface(centers, self.surface))
-        roomy = radius > self.tolerance
+        """Equilateral triangles (k,3,3), randomly turned, round those centers that have room for one.
+
+        A triangle is halved until its corners are inside.
+        """
         angle = 2 * np.pi * np.arange(3) / 3
-        corners = np.stack([np.cos(angle), np.sin(angle), np.zeros(3)], axis=1)
-        turned = np.einsum("nij,kj->nki", random_rotations(int(roomy.sum()), rng), corners)
-        return np.asarray(centers[roomy, None] + radius[roomy, None, None] * turned)
+        corners = self.radius * np.stack([np.cos(angle), np.sin(angle), np.zeros(3)], axis=1)
+        spokes = np.einsum("nij,kj->nki", random_rotations(len(centers), rng), corners)
+        fitting = [np.zeros((0, 3, 3))]
+        while len(centers) and np.linalg.norm(spokes[0, 0]) > self.tolerance:
+            triangles = centers[:, None] + spokes
+            inside = (self.depth(triangles.reshape(-1, 3)).reshape(-1, 3) > 0).all(axis=1)
+            fitting.append(triangles[inside])
+            centers, spokes = centers[~inside], 0.5 * spokes[~inside]
+        return np.concatenate(fitting)
+
+    def depth(self, points: Floats) -> Floats:
+        """Distance (n,) to the boundary, negative outside."""
+        return depth_in_surface(points, self.surface)
 
 
 def _search(
