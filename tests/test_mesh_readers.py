@@ -228,6 +228,7 @@ BROKEN = {
     ),
     "entity.vtu": ('<?xml version="1.0"?><VTKFile><!ENTITY a "b"></VTKFile>', UnreadableFile),
     "binary.ovm": ("OVMB\n\r\n", UnsupportedFormat),
+    "binary.mesh": ("\1\0\0\0\2\0\0\0\3\0\0\0", UnsupportedFormat),
 }
 
 

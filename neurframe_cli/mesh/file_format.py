@@ -50,12 +50,12 @@ SIGNATURES: tuple[tuple[re.Pattern[bytes], str], ...] = (
 
 REFUSED: tuple[tuple[re.Pattern[bytes], str, str], ...] = (
     (re.compile(rb"OVMB\n"), "binary OpenVolumeMesh (OVMB)", "convert it to the text format .ovm"),
+    # the number 1 and the version, 1 to 4, as 32-bit integers of either byte order
     (
-        re.compile(rb"[\x01\x00][\x00]{2}[\x00\x01][\x01-\x04\x00]{4}"),
-        "binary MEDIT",
+        re.compile(rb"\x01\0\0\0[\x01-\x04]\0\0\0|\0\0\0\x01\0\0\0[\x01-\x04]"),
+        "binary MEDIT (.meshb)",
         "write it as text .mesh",
     ),
-    (re.compile(rb"HXTEX|hexex"), "an integer-grid map", "a map is an input of `neurframe hex`"),
 )
 
 OBJ_LINE = re.compile(rb"(v|vt|vn|f|o|g|s|l|usemtl|mtllib)\s")
@@ -78,7 +78,7 @@ def file_format(path: Path) -> str:
             f"{path}: not a mesh format that neurframe reads",
             hint="formats: " + ", ".join(sorted({name.lstrip(".") for name in EXTENSIONS})),
         )
-    if by_name != "obj" and by_name != "stl":  # every other format starts with its signature
+    if by_name not in ("obj", "stl"):  # every other format starts with its signature
         raise UnreadableFile(f"{path}: the name says {by_name}, the content does not")
     return by_name
 
