@@ -23,6 +23,8 @@ CommandLine command_line() {
             "vertex pairs (from 0), one a line, to become edges; none are detected then"},
            {"--feature-angle", "", "DEG", "dihedral angle above which edges are features (default 45)"},
            {"--sizing", "", "FILE", "one factor on the edge length per vertex"},
+           {"--singularities", "", "FILE",
+            "writes x y z, quarter turns, and 1 if on a feature, per singular point"},
            {"--source", "", "FILE", "writes the input triangle of each triangle of the map"}}};
 }
 
@@ -44,6 +46,15 @@ ParametrizeOptions options_from(const Arguments& arguments, const TriangleMesh& 
   return options;
 }
 
+void write_singular(const std::string& path, const std::vector<SingularPoint>& points) {
+  TextWriter out(path);
+  for (const SingularPoint& point : points) {
+    for (const double x : point.position) out << x << ' ';
+    out << point.quarter_turns << ' ' << int{point.on_feature} << '\n';
+  }
+  out.commit();
+}
+
 ExitCode run(const Arguments& arguments, Json& statistics) {
   const TriangleMesh mesh = read_surface_obj(arguments.positional(0));
   const auto crosses = read_crosses(arguments.positional(1), mesh);
@@ -53,6 +64,7 @@ ExitCode run(const Arguments& arguments, Json& statistics) {
   const Parametrization result = parametrize(mesh, crosses, sizing, options, statistics);
   write_quad_map(arguments.text("--output"), result.map);
   if (arguments.given("--source")) write_integers(arguments.text("--source"), result.source);
+  if (arguments.given("--singularities")) write_singular(arguments.text("--singularities"), result.singular);
   return result.check.valid() ? ExitCode::done : ExitCode::incomplete;
 }
 

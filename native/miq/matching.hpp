@@ -33,8 +33,17 @@ std::vector<Sector> measure_sectors(const CrossSurface& surface);
 std::vector<char> singular_vertices(const CrossSurface& surface, const std::vector<Sector>& sectors);
 
 // Shifts matchings along edges until every sector between features has at least one quarter turn and every
-// closed one at least `closed_minimum`.  Returns how many edges were shifted; sectors that could not be
-// mended stay as they are.
-int repair_sectors(CrossSurface& surface, std::vector<Sector>& sectors, int closed_minimum);
+// closed one at least `closed_minimum`; what could not be mended stays as it is.  Returns the vertices at
+// both ends of all shifted edges.
+std::vector<int> repair_sectors(CrossSurface& surface, std::vector<Sector>& sectors, int closed_minimum);
+
+// Cancels pairs of singular vertices of opposite sign that are at most `reach` apart along edges off the
+// features, nearest first.  Returns the vertices at both ends of all shifted edges.
+std::vector<int> cancel_dipoles(CrossSurface& surface, std::vector<Sector>& sectors, double reach);
+
+// Smooths the crosses, with all matchings kept, in the triangles within `radius` of the given vertices; those
+// beside features are held.  Least squares of the residual rotations (Bommes et al. 2009, equation 3,
+// integers fixed).
+void relax_field(CrossSurface& surface, const std::vector<int>& vertices, double radius);
 
 }  // namespace neurframe

@@ -64,14 +64,13 @@ CrossSurface build_surface(const TriangleMesh& mesh, const std::vector<std::arra
 }
 
 // Quarter turns minus the regular number, counted over vertices.
-Json singularity_histogram(const CrossSurface& surface, const std::vector<Sector>& sectors) {
+Json singularity_histogram(const std::vector<Sector>& sectors) {
   std::map<int, int> interior;
   int corners = 0;
   for (const Sector& sector : sectors) {
     if (sector.closed && sector.quarter_turns != 4) ++interior[sector.quarter_turns];
     if (!sector.closed && sector.quarter_turns != 2) ++corners;
   }
-  (void)surface;
   Json json;
   for (const auto& [turns, count] : interior) json[std::to_string(turns)] = count;
   json["feature_sectors"] = corners;
@@ -98,8 +97,13 @@ Problem prepare_problem(CrossSurface surface, const ParametrizeOptions& options,
   compute_matchings(surface);
   Problem problem;
   problem.sectors = measure_sectors(surface);
-  statistics["shifted_matchings"] = repair_sectors(surface, problem.sectors, 2);
-  statistics["singularities"] = singularity_histogram(surface, problem.sectors);
+  std::vector<int> shifted = cancel_dipoles(surface, problem.sectors, options.dipole_reach * edge_length);
+  statistics["cancelling_shifts"] = shifted.size() / 2;
+  const std::vector<int> repaired = repair_sectors(surface, problem.sectors, 3);
+  statistics["repairing_shifts"] = repaired.size() / 2;
+  shifted.insert(shifted.end(), repaired.begin(), repaired.end());
+  relax_field(surface, shifted, 2 * options.dipole_reach * edge_length);
+  statistics["singularities"] = singularity_histogram(problem.sectors);
   std::vector<char> critical = singular_vertices(surface, problem.sectors);
   for (int h = 0; h < surface.half_edge_count(); ++h) {
     if (surface.is_feature(h))
@@ -119,6 +123,28 @@ Problem prepare_problem(CrossSurface surface, const ParametrizeOptions& options,
   statistics["real_variables"] = problem.variables.real_count;
   statistics["integer_variables"] = problem.variables.integer_count;
   return problem;
+}
+
+std::vector<SingularPoint> singular_points(const Problem& problem) {
+  std::vector<SingularPoint> points;
+  for (const Sector& sector : problem.sectors) {
+    if (sector.quarter_turns == (sector.closed ? 4 : 2)) continue;
+    const Eigen::Vector3d& p = problem.surface.at(sector.vertex);
+    points.push_back({{p[0], p[1], p[2]}, sector.quarter_turns, !sector.closed});
+  }
+  return points;
+}
+
+// Positions of the first of these triangles or vertices, as lists of three numbers.
+Json places(const CrossSurface& surface, const std::vector<int>& items, bool triangles) {
+  constexpr size_t kMost = 50;
+  std::vector<std::vector<double>> list;
+  for (size_t i = 0; i < items.size() && i < kMost; ++i) {
+    Eigen::Vector3d p = triangles ? Eigen::Vector3d::Zero() : Eigen::Vector3d(surface.at(items[i]));
+    for (int k = 0; triangles && k < 3; ++k) p += surface.at(surface.from(3 * items[i] + k)) / 3;
+    list.push_back({p[0], p[1], p[2]});
+  }
+  return list;
 }
 
 Json untangle_json(const UntangleResult& result) {
@@ -236,11 +262,14 @@ Parametrization parametrize(const TriangleMesh& mesh, const std::vector<std::arr
 
   const FixedPointMap fixed = fixed_point_map(problem.variables, real, integer);
   Parametrization out{quad_map(problem.surface, problem.variables, problem.graph, fixed, integer),
-                      problem.surface.source, check_map(problem.surface, problem.sectors, fixed)};
+                      problem.surface.source, singular_points(problem),
+                      check_map(problem.surface, problem.sectors, fixed)};
   statistics["fraction_bits"] = fixed.fraction_bits;
   statistics["folded_triangles"] = out.check.folded.size();
   statistics["overwound_vertices"] = out.check.overwound.size();
   statistics["cells"] = out.check.cells;
+  statistics["folded_at"] = places(problem.surface, out.check.folded, true);
+  statistics["overwound_at"] = places(problem.surface, out.check.overwound, false);
   statistics["valid"] = out.check.valid();
   clock.finish("fixed_point", 1.0);
   return out;

@@ -17,14 +17,23 @@ struct ParametrizeOptions {
   int target_faces = 0;           // if positive, overrides edge_length
   double longest_edge = 3;        // triangles with longer edges (in target edge lengths) are split
   double separation_reach = 1.5;  // cells around critical vertices in which they are kept apart
+  double dipole_reach = 3;        // target edge lengths up to which opposite singularities cancel
   int stiffening_rounds = 10;
   int seamless_polish = 4;  // Newton steps on a seamless map that had to be stiffened
   FeatureOptions features;
 };
 
+// A vertex whose quarter turns are not those of a regular one, or a feature sector with other than two.
+struct SingularPoint {
+  Point3 position;
+  int quarter_turns;
+  bool on_feature;
+};
+
 struct Parametrization {
   QuadMap map;
   std::vector<int> source;  // input triangle of each triangle of the map
+  std::vector<SingularPoint> singular;
   MapCheck check;
 };
 

@@ -18,6 +18,7 @@ class ConditionalProgramme {
                        const Eigen::MatrixXd& rows)
       : covariance_(schur.llt().solve(Eigen::MatrixXd::Identity(schur.rows(), schur.cols()))),
         rows_(rows),
+        pull_(covariance_ * rows.transpose()),
         unconstrained_(target),
         optimum_(target),
         multipliers_(Eigen::VectorXd::Zero(rows.rows())),
@@ -33,6 +34,7 @@ class ConditionalProgramme {
 
   Eigen::MatrixXd covariance_;
   const Eigen::MatrixXd& rows_;
+  Eigen::MatrixXd pull_;  // covariance times rows^T: how each row's multiplier moves the optimum
   Eigen::VectorXd unconstrained_;
   Eigen::VectorXd optimum_;
   Eigen::VectorXd multipliers_;
@@ -41,17 +43,16 @@ class ConditionalProgramme {
 
 void ConditionalProgramme::solve_rows() {
   constexpr int kMostSweeps = 100;
-  const Eigen::MatrixXd pull = covariance_ * rows_.transpose();
-  optimum_ = unconstrained_ + pull * multipliers_;
+  optimum_ = unconstrained_ + pull_ * multipliers_;
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     double change = 0;
     for (Eigen::Index j = 0; j < rows_.rows(); ++j) {
-      const double stiffness = rows_.row(j).dot(pull.col(j));
+      const double stiffness = rows_.row(j).dot(pull_.col(j));
       if (stiffness < 1e-9) continue;
       const double step = std::max(-multipliers_[j], (1 - rows_.row(j).dot(optimum_)) / stiffness);
       if (step == 0) continue;
       multipliers_[j] += step;
-      optimum_ += step * pull.col(j);
+      optimum_ += step * pull_.col(j);
       change = std::max(change, std::abs(step) * stiffness);
     }
     if (change < 1e-4) return;
@@ -103,6 +104,8 @@ void ConditionalProgramme::fix(int k, double value) {
   const Eigen::VectorXd column = covariance_.col(k) / covariance_(k, k);
   unconstrained_ += column * (value - unconstrained_[k]);
   covariance_ -= column * covariance_.row(k).eval();
+  pull_ -= column * pull_.row(k).eval();
+  pull_.row(k).setZero();
   covariance_.col(k).setZero();
   covariance_.row(k).setZero();
   unconstrained_[k] = value;

@@ -1,5 +1,7 @@
 // Sectors in which the field leaves no room for a quad: the matchings are shifted so that there is room.
+#include <algorithm>
 #include <map>
+#include <set>
 
 #include "miq/matching.hpp"
 
@@ -57,6 +59,15 @@ void shift_matching(CrossSurface& surface, int h) {
   back = (back + 1) & 3;
 }
 
+// shifts a path of half-edges that run towards the vertex that gains, and notes the vertices on it
+void shift_along(CrossSurface& surface, const std::vector<int>& path, std::vector<int>& vertices) {
+  for (const int h : path) {
+    shift_matching(surface, h);
+    vertices.push_back(surface.from(h));
+    vertices.push_back(surface.to(h));
+  }
+}
+
 // Breadth-first search from the sector over closed vertices to one that passes `accept`; the half-edges of
 // the path run towards the sector.  Empty if there is none within `reach` edges.
 template <class Accept>
@@ -90,11 +101,11 @@ std::vector<int> path_to_donor(SectorBudget& budget, const Sector& sector, int r
 
 }  // namespace
 
-int repair_sectors(CrossSurface& surface, std::vector<Sector>& sectors, int closed_minimum) {
+std::vector<int> repair_sectors(CrossSurface& surface, std::vector<Sector>& sectors, int closed_minimum) {
   constexpr int kDonorReach = 4;  // cancels a nearby singularity of the opposite sign
   constexpr int kFarReach = 40;
   SectorBudget budget(surface, sectors, closed_minimum);
-  int shifted = 0;
+  std::vector<int> shifted;
   for (Sector& sector : sectors) {
     while (budget.need(sector) > 0) {
       std::vector<int> path =
@@ -104,13 +115,88 @@ int repair_sectors(CrossSurface& surface, std::vector<Sector>& sectors, int clos
                              [&](const Sector& s) { return s.closed && budget.can_spare(s); });
       }
       if (path.empty()) break;
-      for (const int h : path) shift_matching(surface, h);
+      shift_along(surface, path, shifted);
       --budget.across(path.front()).quarter_turns;
       ++sector.quarter_turns;
-      shifted += static_cast<int>(path.size());
     }
   }
   return shifted;
+}
+
+namespace {
+
+struct Dipole {
+  double distance;
+  int gaining, losing;    // sectors
+  std::vector<int> path;  // half-edges towards the gaining vertex
+  bool operator<(const Dipole& other) const {
+    return distance != other.distance ? distance < other.distance : gaining < other.gaining;
+  }
+};
+
+// Dijkstra's algorithm from a closed sector that lacks quarter turns to the nearest one that has too many.
+bool nearest_partner(const CrossSurface& surface, const std::vector<Sector>& sectors,
+                     const std::vector<int>& closed_sector, int source, double reach, Dipole& dipole) {
+  struct Label {
+    double distance;
+    int half_edge;
+  };
+  std::map<int, Label> labels{{sectors[static_cast<size_t>(source)].vertex, {0.0, -1}}};
+  std::set<std::pair<double, int>> queue{{0.0, sectors[static_cast<size_t>(source)].vertex}};
+  while (!queue.empty()) {
+    const auto [distance, v] = *queue.begin();
+    queue.erase(queue.begin());
+    const int sector = closed_sector[static_cast<size_t>(v)];
+    if (sectors[static_cast<size_t>(sector)].quarter_turns > 4) {
+      dipole = {distance, source, sector, {}};
+      for (int at = v; labels[at].half_edge >= 0; at = surface.to(labels[at].half_edge)) {
+        dipole.path.push_back(labels[at].half_edge);
+      }
+      return true;
+    }
+    for (const int corner : sectors[static_cast<size_t>(sector)].corners) {
+      const int h = CrossSurface::previous(corner);  // runs into v
+      const int next = surface.from(h);
+      if (closed_sector[static_cast<size_t>(next)] < 0) continue;
+      const double longer = distance + surface.along(h).norm();
+      const auto found = labels.find(next);
+      if (longer > reach || (found != labels.end() && found->second.distance <= longer)) continue;
+      if (found != labels.end()) queue.erase({found->second.distance, next});
+      labels[next] = {longer, h};
+      queue.insert({longer, next});
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<int> cancel_dipoles(CrossSurface& surface, std::vector<Sector>& sectors, double reach) {
+  std::vector<int> closed_sector(surface.positions.size(), -1);
+  for (size_t s = 0; s < sectors.size(); ++s) {
+    if (sectors[s].closed) closed_sector[static_cast<size_t>(sectors[s].vertex)] = static_cast<int>(s);
+  }
+  std::vector<int> shifted;
+  while (true) {
+    std::vector<Dipole> dipoles;
+    for (size_t s = 0; s < sectors.size(); ++s) {
+      Dipole dipole;
+      if (!sectors[s].closed || sectors[s].quarter_turns >= 4) continue;
+      if (nearest_partner(surface, sectors, closed_sector, static_cast<int>(s), reach, dipole)) {
+        dipoles.push_back(std::move(dipole));
+      }
+    }
+    if (dipoles.empty()) return shifted;
+    std::sort(dipoles.begin(), dipoles.end());
+    for (const Dipole& dipole : dipoles) {
+      Sector& gaining = sectors[static_cast<size_t>(dipole.gaining)];
+      Sector& losing = sectors[static_cast<size_t>(dipole.losing)];
+      if (gaining.quarter_turns >= 4 || losing.quarter_turns <= 4) continue;
+      shift_along(surface, dipole.path, shifted);
+      ++gaining.quarter_turns;
+      --losing.quarter_turns;
+    }
+  }
 }
 
 }  // namespace neurframe
