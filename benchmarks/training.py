@@ -4,7 +4,7 @@
     python benchmarks/training.py quality       # CPU seconds of the fast preset against the paper's to the same loss
     python benchmarks/training.py throughput    # milliseconds a full-batch iteration beside the arithmetic floor
 
-The mesh is a bent bar made here, or with --model a MEDIT file.  --device cuda runs the same on a GPU.  Times are CPU
+The mesh is a bent bar made here, or with --model a file of tets.  --device cuda runs the same on a GPU.  Times are CPU
 seconds of the process on the CPU, wall seconds with synchronisation on a GPU.
 """
 
@@ -28,6 +28,8 @@ from neurframe_cli.field.objectives import FullLoss
 from neurframe_cli.field.optimizers import Adam
 from neurframe_cli.field.spherical_harmonics import ALIGNED, rotation_band4
 from neurframe_cli.mesh.arrays import Features, Floats, TetMesh
+from neurframe_cli.mesh.features import features_by_angle
+from neurframe_cli.mesh.read_tets import read_tets
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
 from neurframe_cli.stages.train import TrainOptions, train
 
@@ -97,7 +99,7 @@ def _synchronize(device: str) -> None:
 
 def iteration(arguments: argparse.Namespace) -> dict[str, Any]:
     """Milliseconds of an iteration: the naive loop, ours in float32, ours in the default precision."""
-    tets = _tets(arguments, 8000)
+    tets, _ = _mesh(arguments, 8000)
     device = choose_device(arguments.device, "auto")
     terms = energy_terms(tets, Features(), LossWeights())
     naive, ours = NaiveLoss(terms, tets, device.name), FullLoss(terms, device.name)
@@ -122,14 +124,16 @@ def iteration(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def quality(arguments: argparse.Namespace) -> dict[str, Any]:
     """CPU seconds of `fast`, and of `paper` until it has the same loss (or until --limit seconds: then a bound)."""
-    tets = _tets(arguments, 8000)
-    fast = train(tets, Features(), TrainOptions(device=arguments.device, threads=arguments.threads)).report
+    tets, features = _mesh(arguments, 8000)
+    fast = train(tets, features, TrainOptions(device=arguments.device, threads=arguments.threads)).report
     goal, reached = fast["losses"]["total"], []
     start = time.process_time()
 
     def watch(record: dict[str, Any]) -> None:
         if record["event"] == "step":
             reached.append((time.process_time() - start, record["step"], record["value"]))
+            if record["step"] % 100 == 0:
+                print(json.dumps({"goal": goal, **record}), file=sys.stderr)
             if record["value"] <= goal or reached[-1][0] > arguments.limit:
                 raise _EnoughError
 
@@ -137,7 +141,7 @@ def quality(arguments: argparse.Namespace) -> dict[str, Any]:
         options = TrainOptions(
             preset="paper", device=arguments.device, precision=arguments.precision, threads=arguments.threads
         )
-        train(tets, Features(), options, log=watch)
+        train(tets, features, options, log=watch)
     except _EnoughError:
         pass
     seconds, step, value = reached[-1]
@@ -164,7 +168,7 @@ def throughput(arguments: argparse.Namespace) -> dict[str, Any]:
     """Milliseconds a full-batch iteration of the paper's preset, beside products alone at the measured peak rate."""
     rows = []
     for tet_count in arguments.tets or [8000, 50_000]:
-        terms = energy_terms(_tets(arguments, tet_count), Features(), LossWeights())
+        terms = energy_terms(*_mesh(arguments, tet_count), LossWeights())
         for precision in ("fp32", "bf16"):
             device = choose_device(arguments.device, precision)
             network = FieldNetwork(Architecture(), torch.Generator().manual_seed(0)).to(device.name)
@@ -198,18 +202,18 @@ def _peak_rate(device: str, dtype: torch.dtype) -> float:
     return 2.0 * rows * 256 * 256 / seconds_of(lambda: a @ b, 20, device)
 
 
-def _tets(arguments: argparse.Namespace, count: int) -> TetMesh:
-    if arguments.model:
-        from neurframe_cli.mesh.read_tets import read_medit
-
-        return read_medit(Path(arguments.model))[0]
-    return box_mesh(round((count / 9.0) ** (1 / 3)), bend=1.2)
+def _mesh(arguments: argparse.Namespace, count: int) -> tuple[TetMesh, Features]:
+    """The model with its feature edges above 45 degrees, or the bent bar, which is all smooth to the loss."""
+    if not arguments.model:
+        return box_mesh(round((count / 9.0) ** (1 / 3)), bend=1.2), Features()
+    tets, _ = read_tets(Path(arguments.model))
+    return tets, features_by_angle(tets.V, tet_adjacency(tets.T).boundary_faces, 45.0)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("what", choices=["iteration", "quality", "throughput"])
-    parser.add_argument("--model", help="a tet mesh, MEDIT")
+    parser.add_argument("--model", help="a tet mesh")
     parser.add_argument("--tets", type=int, nargs="*", help="tet counts of throughput")
     parser.add_argument("--device", default="auto")
     parser.add_argument("--precision", default="fp32", help="of the paper preset")
