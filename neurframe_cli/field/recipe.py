@@ -28,9 +28,13 @@ class Round:
 
 
 class Recipe(Protocol):
-    """The next round, given the losses at the ends of the finished ones, or None when it is enough."""
+    """What to train next, and how far along that is."""
 
-    def next_round(self, losses: list[float]) -> Round | None: ...
+    def next_round(self, losses: list[float]) -> Round | None:
+        """The next round, given the losses at the ends of the finished ones, or None when it is enough."""
+
+    def share(self, number: int) -> tuple[float, float]:
+        """From where to where in [0, 1] the progress goes in round 0, 1 ..."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +49,9 @@ class PaperRecipe:
         if losses:
             return None
         return Round("loss", "adam", self.iterations, self.learning_rate, fraction=self.fraction)
+
+    def share(self, number: int) -> tuple[float, float]:
+        return 0.0, 1.0
 
 
 @dataclass(frozen=True)
@@ -69,6 +76,12 @@ class FastRecipe:
             return None
         steps = self.refine_steps * 2 ** (len(losses) - 1)
         return Round("loss", "muon", steps, self.refine_rate, warm_up=0.1, cosine=True)
+
+    def share(self, number: int) -> tuple[float, float]:
+        if number == 0:
+            return 0.2, 0.8
+        each = 0.2 / max(self.refinements, 1)
+        return 0.8 + (number - 1) * each, 0.8 + number * each
 
     def _is_close(self, loss: float) -> bool:
         """Within goal of the floor; where the floor is zero (a box), far below anything visible."""

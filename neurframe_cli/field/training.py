@@ -129,7 +129,8 @@ def _report_step(
         seconds = round(run.saver.clock.seconds(), 3)
         record = {"event": "step", "round": number, "objective": kind, "step": state.step, "steps": steps}
         run.log(record | {"value": value, "rate": rate, "seconds": seconds})
-    run.progress(state.step / steps, f"round {number}: {kind} {value:.5f}")
+    begin, end = run.recipe.share(number - 1)
+    run.progress(begin + (end - begin) * state.step / steps, f"round {number}: {kind} {value:.5f}")
 
 
 def _optimizer(training_round: Round, network: FieldNetwork) -> Optimizer:

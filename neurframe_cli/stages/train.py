@@ -55,8 +55,8 @@ class TrainOptions:
     checkpoint_every_s: float = 10.0
 
     def keyed(self) -> dict[str, Any]:
-        """The options that determine the result, for the key of a stage or a checkpoint."""
-        unkeyed = {"time_budget_s", "log_every", "checkpoint_every_s"}
+        """The options that determine the result, for the key of a checkpoint; threads change the last bits only."""
+        unkeyed = {"time_budget_s", "threads", "log_every", "checkpoint_every_s"}
         return {name: value for name, value in asdict(self).items() if name not in unkeyed}
 
     def weights(self) -> LossWeights:
@@ -136,7 +136,7 @@ class _Session:
         clock = Clock(state.seconds, state.cpu_seconds)
         saver = Saver(self.checkpoint, self._key(), self.options.checkpoint_every_s, clock)
         if not _is_paper(self.options) and state.target is None:
-            state.target, state.floor = self._solve(lambda x, text: self.progress(0.3 * x, text))
+            state.target, state.floor = self._solve(lambda x, text: self.progress(0.2 * x, text))
             saver.save(state)
         run = TrainingRun(
             self.terms,
@@ -206,18 +206,13 @@ class _Session:
         return self.terms.losses(np.zeros((len(self.terms.points), 9))).total
 
     def _key(self) -> str:
-        """Digest of all that determines the weights: inputs, options, device, threads and version of PyTorch."""
+        """Digest of what determines the weights: inputs, options, device, precision and version of PyTorch."""
         import torch
 
         digest = hashlib.sha256()
         for array in (self.tets.V, self.tets.T, self.features.edges):
             digest.update(np.ascontiguousarray(array).tobytes())
-        context = [
-            self.device.label,
-            str(self.device.hidden_dtype),
-            torch.get_num_threads(),
-            torch.__version__,
-        ]
+        context = [self.device.label, str(self.device.hidden_dtype), torch.__version__]
         digest.update(json.dumps([self.options.keyed(), context], sort_keys=True).encode())
         return digest.hexdigest()
 
