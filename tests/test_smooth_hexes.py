@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from smooth_shapes import Shape, cube_hexes, cylinder_hexes, grid_hexes, jitter, sphere_hexes
 
 from neurframe_cli.mesh.arrays import Floats, Surface
+from neurframe_cli.mesh.optimize.improve import ImproveOptions
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
 from neurframe_cli.mesh.quality.scaled_jacobian import hex_scaled_jacobians
 from neurframe_cli.stages.smooth_hexes import boundary_quads, smooth_hexes
@@ -28,7 +29,9 @@ def test_a_jittered_cube_returns_to_its_grid(amount: float) -> None:
     V = jitter(shape.V, amount, seed=1)
     result = smooth(shape, V)
     assert worst(result.V, shape) > 0.99
-    np.testing.assert_allclose(result.V, shape.V, atol=0.01 / 5)
+    # with isotropic targets the regular grid is the only minimiser; the optimiser stops within 1 % of an edge of it
+    isotropic = SmoothOptions(ImproveOptions(anisotropy=0.0, gain=1e-6))
+    np.testing.assert_allclose(smooth(shape, V, isotropic).V, shape.V, atol=0.01 / 5)
 
 
 def test_tangled_insides_are_untangled() -> None:
@@ -51,9 +54,7 @@ def test_vertices_stay_on_the_cylinder_and_its_rims() -> None:
     boundary = np.unique(boundary_quads(shape.cells))
     squared = igl.point_mesh_squared_distance(result.V[boundary], shape.surface.V, shape.surface.F)[0]
     assert np.sqrt(squared.max()) < 1e-12
-    angle = np.arctan2(shape.V[:, 1], shape.V[:, 0])
     rim = (np.linalg.norm(shape.V[:, :2], axis=1) > 1 - 1e-9) & np.isin(shape.V[:, 2], [0.0, 2.0])
-    assert np.isfinite(angle[rim]).all()
     np.testing.assert_allclose(result.V[rim, 2], shape.V[rim, 2], atol=1e-12)
 
 
@@ -74,7 +75,7 @@ def test_the_worst_hex_never_gets_worse(seed: int) -> None:
 def test_the_boundary_of_a_void_does_not_move() -> None:
     shape = cube_hexes(6)
     centre = grid_hexes(6)[0][shape.cells].mean(axis=1)
-    H = shape.cells[np.abs(centre - 0.5).max(axis=1) > 0.25]  # 4^3 hexes missing in the middle... of 6^3
+    H = shape.cells[np.abs(centre - 0.5).max(axis=1) > 0.25]  # all but the outer layers
     void = np.unique(boundary_quads(H))
     void = void[np.abs(shape.V[void] - 0.5).max(axis=1) < 0.49]
     result = smooth_hexes(

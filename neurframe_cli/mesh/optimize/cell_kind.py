@@ -42,18 +42,30 @@ HEXES = CellKind(HEX_CORNERS, HEX_DIRECTIONS)
 
 
 def target_lengths(X: Floats, cells: Ints, kind: CellKind, anisotropy: float, rounds: int) -> Floats:
-    """Target edge lengths (n,c,d) at the corners of the cells.
+    """Target edge lengths (n,c,d) at the corners of the cells: size^(1 - anisotropy) · length^anisotropy.
 
-    The size of a cell is the geometric mean of its mean lengths by direction, averaged over neighbours `rounds` times;
-    the target is size^(1 - anisotropy) · (own length in that direction)^anisotropy.
+    The size of a cell is the geometric mean of its lengths by direction, averaged over neighbours; the length in each
+    direction is averaged over the parallel edges of the cell and of the cells beside it.  Both `rounds` times.
     """
-    ends = X[cells[:, kind.directions]]
-    by_direction = np.linalg.norm(ends[:, :, :, 1] - ends[:, :, :, 0], axis=-1).mean(axis=2)
-    by_direction = np.maximum(by_direction, 1e-6 * by_direction.mean())  # collapsed cells need a target, too
-    size = np.exp(np.log(by_direction).mean(axis=1))
+    length = _averaged_lengths(X, cells, kind, rounds)
+    length = np.maximum(length, 1e-6 * length.mean())  # collapsed cells need a target, too
+    size = np.exp(np.log(length).mean(axis=1))
     use = np.maximum(np.bincount(cells.ravel(), minlength=len(X)), 1)
     for _ in range(rounds):
         at_vertices = np.bincount(cells.ravel(), np.repeat(size, cells.shape[1]), minlength=len(X)) / use
         size = at_vertices[cells].mean(axis=1)
-    wanted = size[:, None] ** (1.0 - anisotropy) * by_direction**anisotropy
+    wanted = size[:, None] ** (1.0 - anisotropy) * length**anisotropy
     return np.asarray(wanted[:, kind.corner_directions])
+
+
+def _averaged_lengths(X: Floats, cells: Ints, kind: CellKind, rounds: int) -> Floats:
+    """Length (n,d) of each cell by direction, averaged along the sheets of parallel edges."""
+    ends = np.sort(cells[:, kind.directions], axis=-1)
+    _, edge = np.unique(ends[..., 0] * len(X) + ends[..., 1], return_inverse=True)
+    parallel = edge.reshape(ends.shape[:-1])
+    lengths = np.linalg.norm(X[ends[..., 1]] - X[ends[..., 0]], axis=-1).mean(axis=2)
+    use = np.bincount(parallel.ravel())
+    for _ in range(rounds):
+        shared = np.repeat(lengths.ravel(), parallel.shape[2])
+        lengths = (np.bincount(parallel.ravel(), shared) / use)[parallel].mean(axis=2)
+    return np.asarray(lengths)

@@ -33,7 +33,7 @@ class ImproveOptions:
     steps: int = 15
     size: float = 0.1
     power: float = 4.0
-    anisotropy: float = 0.0
+    anisotropy: float = 0.5
     gain: float = 3e-4
 
 
