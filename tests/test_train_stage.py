@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from train_shapes import box_features, box_mesh, rotation, tilted_box
 
-from neurframe_cli.errors import UnreadableFile, UsageError
+from neurframe_cli.errors import InvalidMesh, UnreadableFile, UsageError
 from neurframe_cli.field.field_file import SampledField, field_from_bytes, field_to_bytes
 from neurframe_cli.field.frames import frame_to_band4
-from neurframe_cli.mesh.arrays import Features
+from neurframe_cli.mesh.arrays import Features, as_tets
 from neurframe_cli.stages.train import TrainOptions, train
 
 BENT = box_mesh(3, bend=0.9)
@@ -138,6 +138,28 @@ def test_cuda_is_refused_where_there_is_none():
         pytest.skip("this machine has a GPU")
     with pytest.raises(UsageError, match="no CUDA device"):
         train(BENT, Features(), TrainOptions(device="cuda"))
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("preset", "quick"),
+        ("method", "magic"),
+        ("batch_fraction", 0.0),
+        ("sigma", -1.0),
+        ("lambda_feature", -0.1),
+    ],
+)
+def test_options_out_of_range_are_named(name, value):
+    with pytest.raises(UsageError, match=f"option {name} is {value}"):
+        TrainOptions(**{name: value})
+
+
+def test_meshes_without_tets_or_with_a_face_of_three_are_refused():
+    with pytest.raises(InvalidMesh, match="no tets"):
+        train(as_tets(BENT.V, np.zeros((0, 4))), Features())
+    with pytest.raises(InvalidMesh, match="more than two tets"):
+        train(as_tets(BENT.V, [[0, 1, 2, 3], [0, 1, 2, 4], [0, 1, 2, 5]]), Features())
 
 
 @pytest.mark.slow

@@ -5,14 +5,16 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from neurframe_cli.field.energy_terms import EnergyTerms, LossWeights, energy_terms, normalization_of
+from neurframe_cli.errors import InvalidMesh
+from neurframe_cli.field.energy_terms import EnergyTerms, energy_terms, normalization_of
 from neurframe_cli.mesh.arrays import Features, Floats, Progress, TetMesh, silent
 from neurframe_cli.mesh.tet_adjacency import TetAdjacency, tet_adjacency
+from neurframe_cli.stages.train_options import TrainOptions
 
 if TYPE_CHECKING:
     from neurframe_cli.field.checkpoint import Checkpoint, CheckpointStore, TrainingState
@@ -21,46 +23,9 @@ if TYPE_CHECKING:
     from neurframe_cli.field.recipe import Recipe
     from neurframe_cli.field.training import Clock
 
+__all__ = ["TrainOptions", "TrainResult", "train"]
+
 Log = Callable[[dict[str, Any]], None]
-
-
-@dataclass(frozen=True)
-class TrainOptions:
-    """What `neurframe train` can be told; None leaves the choice to the preset.
-
-    preset: "fast" (discrete solution, distilled and refined) or "paper" (Adam on the loss); method: "neural" or
-    "discrete" (no network); iterations: of the distillation or of Adam; batch_fraction: share of the tets or of the
-    loss's terms per step; refinements: most rounds on the true loss after the distillation; time_budget_s: wall
-    seconds; device: auto | cpu | cuda; precision: auto | fp32 | tf32 | bf16; project: pull the discrete solution to
-    true frames; threads: of PyTorch, on the CPU; log_every: steps; checkpoint_every_s: seconds.
-    """
-
-    preset: str = "fast"
-    method: str = "neural"
-    iterations: int | None = None
-    batch_fraction: float | None = None
-    refinements: int = 3
-    learning_rate: float | None = None
-    time_budget_s: float | None = None
-    lambda_smooth: float = 1.0
-    lambda_boundary: float = 20.0
-    lambda_feature: float = 1.0
-    sigma: float = 10.0
-    seed: int = 0
-    device: str = "auto"
-    precision: str = "auto"
-    project: bool = False
-    threads: int | None = None
-    log_every: int = 10
-    checkpoint_every_s: float = 10.0
-
-    def keyed(self) -> dict[str, Any]:
-        """The options that determine the result, for the key of a checkpoint; threads change the last bits only."""
-        unkeyed = {"time_budget_s", "threads", "log_every", "checkpoint_every_s"}
-        return {name: value for name, value in asdict(self).items() if name not in unkeyed}
-
-    def weights(self) -> LossWeights:
-        return LossWeights(self.lambda_smooth, self.lambda_boundary, self.lambda_feature, self.sigma)
 
 
 @dataclass(frozen=True)
@@ -83,7 +48,8 @@ def train(
 
     log gets one JSON-ready dict per logged step.  With a checkpoint store a run that was killed goes on where it
     was and ends, on the same CPU with the same number of threads, with the same bytes.  Raises StageError where the
-    training diverges, UsageError for a device that is not there, UnreadableFile for a damaged checkpoint.
+    training diverges, UsageError for a device that is not there, UnreadableFile for a damaged checkpoint, InvalidMesh
+    for tets that are none or that share a face by threes.
     """
     import torch
 
@@ -93,9 +59,9 @@ def train(
     if options.threads:
         torch.set_num_threads(options.threads)
     # the paper trains in float32; a precision that was asked for is taken
-    by_preset = "fp32" if _is_paper(options) and options.precision == "auto" else options.precision
+    by_preset = "fp32" if options.is_paper and options.precision == "auto" else options.precision
     device = choose_device(options.device, by_preset)
-    adjacency = tet_adjacency(tets.T)
+    adjacency = _adjacency(tets)
     terms = energy_terms(tets, features, options.weights(), adjacency)
     session = _Session(
         tets, features, adjacency, terms, options, device, progress, log or _no_log, checkpoint
@@ -135,7 +101,7 @@ class _Session:
         state, resumed = self._initial_state()
         clock = Clock(state.seconds, state.cpu_seconds)
         saver = Saver(self.checkpoint, self._key(), self.options.checkpoint_every_s, clock)
-        if not _is_paper(self.options) and state.target is None:
+        if not self.options.is_paper and state.target is None:
             state.target, state.floor = self._solve(lambda x, text: self.progress(0.2 * x, text))
             saver.save(state)
         run = TrainingRun(
@@ -188,7 +154,7 @@ class _Session:
         from neurframe_cli.field import recipe
 
         options = self.options
-        if _is_paper(options):
+        if options.is_paper:
             return recipe.PaperRecipe(
                 options.iterations or 10_000, options.learning_rate or 5e-5, options.batch_fraction or 1.0
             )
@@ -242,8 +208,13 @@ class _Session:
         }
 
 
-def _is_paper(options: TrainOptions) -> bool:
-    return options.preset == "paper" and options.method == "neural"
+def _adjacency(tets: TetMesh) -> TetAdjacency:
+    if not len(tets.T):
+        raise InvalidMesh("the tet mesh has no tets")
+    try:
+        return tet_adjacency(tets.T)
+    except ValueError as error:
+        raise InvalidMesh(f"no field can be trained on these tets: {error}") from error
 
 
 def _no_log(record: dict[str, Any]) -> None:
