@@ -38,10 +38,10 @@ ParametrizeOptions options_from(const Arguments& arguments, const TriangleMesh& 
   if (!arguments.given("--edge-length")) {
     options.edge_length = diagonal(mesh.V) / arguments.number("--scale", 100, 0.1, 1e6);
   }
-  options.features.angle_deg = arguments.number("--feature-angle", 45, 0, 180);
+  options.preparation.features.angle_deg = arguments.number("--feature-angle", 45, 0, 180);
   if (arguments.given("--features")) {
-    options.features.given = true;
-    options.features.pairs = read_vertex_pairs(arguments.text("--features"), mesh.V.size());
+    options.preparation.features.given = true;
+    options.preparation.features.pairs = read_vertex_pairs(arguments.text("--features"), mesh.V.size());
   }
   return options;
 }

@@ -8,9 +8,8 @@
 #include <map>
 
 #include "core/program.hpp"
-#include "miq/cut_graph.hpp"
+#include "miq/map_problem.hpp"
 #include "miq/map_system.hpp"
-#include "miq/matching.hpp"
 #include "miq/quantization.hpp"
 #include "miq/separation.hpp"
 #include "miq/stiffening.hpp"
@@ -35,97 +34,7 @@ class StepClock {
   std::clock_t start_ = std::clock();
 };
 
-CrossSurface build_surface(const TriangleMesh& mesh, const std::vector<std::array<double, 6>>& crosses,
-                           const std::vector<double>& sizing, Json& statistics) {
-  CrossSurface surface;
-  for (const Point3& p : mesh.V) surface.positions.emplace_back(p[0], p[1], p[2]);
-  surface.triangles = mesh.F;
-  pair_half_edges(surface);
-  statistics["vertices_split"] = split_nonmanifold_vertices(surface);
-  for (int f = 0; f < surface.triangle_count(); ++f) {
-    const auto k = static_cast<size_t>(f);
-    if (!(surface.area(f) > 0)) throw InputError("triangle " + std::to_string(f) + " has no area");
-    const Eigen::Vector3d normal = surface.normal(f);
-    Eigen::Vector3d axis(crosses[k][0], crosses[k][1], crosses[k][2]);
-    axis -= normal * normal.dot(axis);
-    if (!(axis.norm() > 1e-6))
-      throw InputError("the cross of triangle " + std::to_string(f) + " is not tangent");
-    surface.axis.push_back(axis.normalized());
-    double size = 1;
-    if (!sizing.empty()) {
-      size = 0;
-      for (const int v : mesh.F[k]) size += sizing[static_cast<size_t>(v)] / 3;
-    }
-    surface.size.push_back(size);
-    surface.source.push_back(f);
-  }
-  surface.matching.assign(static_cast<size_t>(surface.half_edge_count()), 0);
-  return surface;
-}
-
-// Quarter turns minus the regular number, counted over vertices.
-Json singularity_histogram(const std::vector<Sector>& sectors) {
-  std::map<int, int> interior;
-  int corners = 0;
-  for (const Sector& sector : sectors) {
-    if (sector.closed && sector.quarter_turns != 4) ++interior[sector.quarter_turns];
-    if (!sector.closed && sector.quarter_turns != 2) ++corners;
-  }
-  Json json;
-  for (const auto& [turns, count] : interior) json[std::to_string(turns)] = count;
-  json["feature_sectors"] = corners;
-  return json;
-}
-
-// Everything that the map is computed from, once the mesh and the matchings are fixed.
-struct Problem {
-  CrossSurface surface;
-  std::vector<Sector> sectors;
-  std::vector<char> singular;
-  CutGraph graph;
-  ReducedVariables variables;
-};
-
-Problem prepare_problem(CrossSurface surface, const ParametrizeOptions& options, double edge_length,
-                        Json& statistics) {
-  FeatureOptions features = options.features;
-  features.shortest_line = std::max(features.shortest_line, 4 * edge_length);
-  mark_features(surface, features);
-  statistics["splits"]["long_edges"] = split_long_edges(surface, options.longest_edge * edge_length);
-  statistics["splits"]["features"] = split_around_features(surface);
-  statistics["largest_feature_turn_deg"] = align_to_features(surface) * 180 / M_PI;
-  compute_matchings(surface);
-  Problem problem;
-  problem.sectors = measure_sectors(surface);
-  std::vector<int> shifted = cancel_dipoles(surface, problem.sectors, options.dipole_reach * edge_length);
-  statistics["cancelling_shifts"] = shifted.size() / 2;
-  const std::vector<int> repaired = repair_sectors(surface, problem.sectors, 3);
-  statistics["repairing_shifts"] = repaired.size() / 2;
-  shifted.insert(shifted.end(), repaired.begin(), repaired.end());
-  relax_field(surface, shifted, 2 * options.dipole_reach * edge_length);
-  statistics["singularities"] = singularity_histogram(problem.sectors);
-  std::vector<char> critical = singular_vertices(surface, problem.sectors);
-  for (int h = 0; h < surface.half_edge_count(); ++h) {
-    if (surface.is_feature(h))
-      critical[static_cast<size_t>(surface.from(h))] = critical[static_cast<size_t>(surface.to(h))] = 1;
-  }
-  statistics["splits"]["critical"] = split_between_critical(surface, critical);
-  problem.singular = singular_vertices(surface, measure_sectors(surface));
-  statistics["splits"]["singular_stars"] = refine_singular_stars(surface, problem.singular);
-  problem.sectors = measure_sectors(surface);
-  problem.singular = singular_vertices(surface, problem.sectors);
-  const std::vector<char> crossed = comb(surface);
-  problem.graph = build_cut_graph(surface, crossed, problem.singular);
-  problem.variables = reduce_variables(surface, problem.graph, problem.singular);
-  problem.surface = std::move(surface);
-  statistics["triangles"] = problem.surface.triangle_count();
-  statistics["seam_branches"] = problem.graph.branches.size();
-  statistics["real_variables"] = problem.variables.real_count;
-  statistics["integer_variables"] = problem.variables.integer_count;
-  return problem;
-}
-
-std::vector<SingularPoint> singular_points(const Problem& problem) {
+std::vector<SingularPoint> singular_points(const MapProblem& problem) {
   std::vector<SingularPoint> points;
   for (const Sector& sector : problem.sectors) {
     if (sector.quarter_turns == (sector.closed ? 4 : 2)) continue;
@@ -155,7 +64,7 @@ Json untangle_json(const UntangleResult& result) {
   return json;
 }
 
-double parametric_area(const Problem& problem, const MapSystem& system, const Eigen::VectorXd& real,
+double parametric_area(const MapProblem& problem, const MapSystem& system, const Eigen::VectorXd& real,
                        const Eigen::VectorXd& integer) {
   double area = 0;
   for (int f = 0; f < problem.surface.triangle_count(); ++f) {
@@ -186,7 +95,7 @@ struct Seamless {
   }
 };
 
-Quantization quantize_at_scale(const Problem& problem, const MapSystem& system, const Seamless& seamless,
+Quantization quantize_at_scale(const MapProblem& problem, const MapSystem& system, const Seamless& seamless,
                                const ParametrizeOptions& options, Json& statistics) {
   const std::vector<SeparationRow> rows =
       separation_rows(problem.surface, problem.variables, problem.singular, system, seamless.real,
@@ -200,7 +109,7 @@ Quantization quantize_at_scale(const Problem& problem, const MapSystem& system, 
 }
 
 // Repeats the quantisation at corrected edge lengths until the parametric area is within 2 % of the target.
-Quantization quantize_to_target(const Problem& problem, const MapSystem& system, Seamless& seamless,
+Quantization quantize_to_target(const MapProblem& problem, const MapSystem& system, Seamless& seamless,
                                 const ParametrizeOptions& options, Json& statistics) {
   constexpr int kMostRounds = 8;
   for (int round = 1;; ++round) {
@@ -220,10 +129,11 @@ Parametrization parametrize(const TriangleMesh& mesh, const std::vector<std::arr
                             const std::vector<double>& sizing, const ParametrizeOptions& options,
                             Json& statistics) {
   StepClock clock(statistics);
-  CrossSurface surface = build_surface(mesh, crosses, sizing, statistics);
+  CrossSurface surface = build_cross_surface(mesh, crosses, sizing, statistics);
   double edge_length = options.edge_length;
   if (options.target_faces > 0) edge_length = std::sqrt(total_area(surface) / options.target_faces);
-  const Problem problem = prepare_problem(std::move(surface), options, edge_length, statistics);
+  const MapProblem problem =
+      prepare_map_problem(std::move(surface), options.preparation, edge_length, statistics);
   clock.finish("preparation", 0.2);
 
   const int count = problem.surface.triangle_count();

@@ -8,19 +8,17 @@
 #include "core/quad_map_io.hpp"
 #include "core/triangle_mesh.hpp"
 #include "miq/fixed_point_map.hpp"
-#include "miq/prepare.hpp"
+#include "miq/map_problem.hpp"
 
 namespace neurframe {
 
 struct ParametrizeOptions {
   double edge_length = 0;         // target, in input units
   int target_faces = 0;           // if positive, overrides edge_length
-  double longest_edge = 3;        // triangles with longer edges (in target edge lengths) are split
   double separation_reach = 1.5;  // cells around critical vertices in which they are kept apart
-  double dipole_reach = 3;        // target edge lengths up to which opposite singularities cancel
   int stiffening_rounds = 10;
   int seamless_polish = 4;  // Newton steps on a seamless map that had to be stiffened
-  FeatureOptions features;
+  PreparationOptions preparation;
 };
 
 // A vertex whose quarter turns are not those of a regular one, or a feature sector with other than two.
