@@ -17,8 +17,9 @@ from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.surface_edges import face_normals
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
 from neurframe_cli.picture.containing_tets import containing_tets
-from neurframe_cli.picture.draw import PICTURES, draw_field
+from neurframe_cli.picture.draw import FIELD_PICTURES, draw
 from neurframe_cli.picture.field_data import FieldData
+from neurframe_cli.picture.mesh_data import MeshData
 from neurframe_cli.picture.scene import SIZE, spread_sample
 from neurframe_cli.picture.vtp import (
     write_crosses_vtp,
@@ -64,11 +65,11 @@ def share_of_color(path: Path, low: tuple[int, int, int], high: tuple[int, int, 
 @pytest.fixture(scope="module")
 def drawn(cylinder, tmp_path_factory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pictures")
-    paths = {name: folder / f"{name}.png" for name in PICTURES}
+    paths = {name: folder / f"{name}.png" for name in FIELD_PICTURES}
     seen: list[float] = []
-    draw_field(paths, cylinder[0], lambda fraction, _: seen.append(fraction))
+    draw(paths, cylinder[0], lambda fraction, _: seen.append(fraction))
     assert seen == sorted(seen)
-    assert len(seen) >= len(PICTURES)
+    assert len(seen) >= len(FIELD_PICTURES)
     return paths
 
 
@@ -105,7 +106,7 @@ def test_no_singular_edges_and_no_features_make_pictures_too(tmp_path):
     paths = {
         name: tmp_path / f"{name}.png" for name in ("singular", "frames", "singularities", "streamlines")
     }
-    draw_field(paths, data)
+    draw(paths, data)
     assert share_of_color(paths["singular"], (120, 0, 0), (240, 80, 80)) == 0
     assert all(path.stat().st_size > 5000 for path in paths.values())
 
@@ -114,7 +115,7 @@ def test_a_machine_without_opengl_gets_a_stage_error(cylinder, tmp_path, monkeyp
     monkeypatch.setenv("VTK_DEFAULT_OPENGL_WINDOW", "vtkXOpenGLRenderWindow")
     monkeypatch.setenv("DISPLAY", ":no-such-display")
     with pytest.raises(StageError, match="no picture could be drawn") as error:
-        draw_field({"singular": tmp_path / "singular.png"}, cylinder[0])
+        draw({"singular": tmp_path / "singular.png"}, cylinder[0])
     assert "libegl1" in str(error.value.hint)
     assert not (tmp_path / "singular.png").exists()
 
@@ -189,3 +190,18 @@ def test_a_spread_sample_has_one_point_a_cell_and_covers_all():
     chosen = points[spread_sample(points, 8)]
     assert len(chosen) == 8 * 4 * 2
     assert len(spread_sample(points[:1], 8)) == 1
+
+
+def test_pictures_of_meshes_show_what_is_irregular(tmp_path):
+    from test_quality import cube_shell, hex_grid
+
+    V, Q = cube_shell(4)
+    draw({"quads": tmp_path / "quads.png"}, MeshData(V, Q))
+    # valence three at the eight corners, of which at least the four in front are seen, as blue balls
+    assert share_of_color(tmp_path / "quads.png", (30, 80, 170), (90, 150, 255)) > 2e-4
+    V, H = hex_grid(4)
+    draw({"hexes": tmp_path / "hexes.png", "hexes_cut": tmp_path / "cut.png"}, MeshData(V, H))
+    for name in ("hexes.png", "cut.png"):
+        # a regular grid is all of the best colour and nowhere of the worst
+        assert share_of_color(tmp_path / name, (100, 110, 130), (215, 225, 245)) > 0.1
+        assert share_of_color(tmp_path / name, (150, 0, 20), (200, 60, 70)) == 0

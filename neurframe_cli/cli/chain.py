@@ -111,7 +111,7 @@ def mesh_stage(
         check_output(values["output"], kind)
     size = element_size(values["scale"], values["edge_length"], values["count"], DEFAULT_SCALES[kind])
     limits = Limits(values["timeout"], values["memory"], threads)
-    request = MeshRequest(size, values["feature_angle"], values["output"], limits)
+    request = MeshRequest(size, values["feature_angle"], values["output"], limits, values["pictures"])
     step = (quad_step if kind == "quad" else hex_step)(workspace, request)
     return run_step(workspace, step, console, force=force)
 
@@ -152,7 +152,7 @@ def _summary(stage: str, report: Mapping[str, Any]) -> list[str]:
     if stage in ("quad", "hex"):
         mesh = report["mesh"]
         return [
-            f"{mesh['cells']} {stage}s, scaled Jacobian {mesh['min_scaled_jacobian']:.3f} (worst) "
+            f"{mesh['cells']} {'quads' if stage == 'quad' else 'hexes'}, scaled Jacobian {mesh['min_scaled_jacobian']:.3f} (worst) "
             f"{mesh['mean_scaled_jacobian']:.3f} (mean), distance to the input {100 * mesh['hausdorff']:.2f} % of the "
             "diagonal"
         ]

@@ -15,6 +15,7 @@ from neurframe_cli.cli.options import (
     force_option,
     limit_options,
     output_option,
+    pictures_option,
     scale_option,
     workspace_option,
 )
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 @count_option("--target-cells", "hexes")
 @feature_angle_option
 @output_option
+@pictures_option
 @limit_options(1800.0, "each program")
 @force_option
 def command(workspace: Path | None, force: bool, threads: int, console: Console, **values: object) -> None:

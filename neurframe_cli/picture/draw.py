@@ -1,4 +1,4 @@
-"""Pictures of a field, drawn in a process of their own.
+"""Pictures of fields and meshes, drawn in a process of their own.
 
 Where there is no OpenGL, VTK does not raise: it ends the process with a segmentation fault.
 """
@@ -15,22 +15,24 @@ import neurframe_cli
 from neurframe_cli.errors import ChildCrashed, StageError
 from neurframe_cli.mesh.arrays import Progress, silent
 from neurframe_cli.picture.field_data import FieldData
+from neurframe_cli.picture.mesh_data import MeshData
 from neurframe_cli.process.run_child import run_child
 
 # the pictures that can be asked for
-PICTURES = ("crosses", "singular", "frames", "tets", "singularities", "streamlines")
+FIELD_PICTURES = ("crosses", "singular", "frames", "tets", "singularities", "streamlines")
+MESH_PICTURES = ("quads", "hexes", "hexes_cut")
 TIMEOUT_S = 600.0
 # how VTK finds a place to draw in
 _DISPLAY_VARIABLES = ("DISPLAY", "XAUTHORITY", "XDG_RUNTIME_DIR", "VTK_DEFAULT_OPENGL_WINDOW")
 
 
-def draw_field(pictures: Mapping[str, Path], data: FieldData, progress: Progress = silent) -> None:
-    """Draws PNG files: name, one of PICTURES, -> path.
+def draw(pictures: Mapping[str, Path], data: FieldData | MeshData, progress: Progress = silent) -> None:
+    """Draws PNG files: name, one of FIELD_PICTURES or MESH_PICTURES as the data are, -> path.
 
     Raises StageError where nothing can be drawn on this machine, TimedOut after ten minutes.
     """
     with tempfile.TemporaryDirectory(prefix="neurframe-") as folder:
-        stored = Path(folder) / "field.npz"
+        stored = Path(folder) / "data.npz"
         data.save(stored)
         targets = [f"{name}={path.absolute()}" for name, path in pictures.items()]
         try:

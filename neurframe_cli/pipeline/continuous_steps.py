@@ -15,7 +15,7 @@ from neurframe_cli.mesh.read_tets import read_medit
 from neurframe_cli.picture.field_data import FieldData
 from neurframe_cli.picture.vtp import write_singular_points_vtp, write_streamlines_vtp
 from neurframe_cli.pipeline.atomic import atomic_path
-from neurframe_cli.pipeline.discretize_step import draw_or_warn
+from neurframe_cli.pipeline.pictures import draw_or_warn
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.tetize_step import FEATURES, SURFACE, TETS
 from neurframe_cli.pipeline.train_step import FIELD

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from neurframe_cli.errors import StageError
 from neurframe_cli.field.field_file import read_field
 from neurframe_cli.field.fra import write_fra
 from neurframe_cli.mesh.arrays import Features, Surface, TetMesh
 from neurframe_cli.mesh.features import read_features
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.mesh.read_tets import read_medit
-from neurframe_cli.picture.draw import draw_field
 from neurframe_cli.picture.field_data import FieldData
 from neurframe_cli.picture.vtp import write_crosses_vtp, write_singular_edges_vtp
-from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
+from neurframe_cli.pipeline.atomic import atomic_path
+from neurframe_cli.pipeline.pictures import draw_or_warn
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.tetize_step import FEATURES, SURFACE, TETS
 from neurframe_cli.pipeline.train_step import FIELD
@@ -98,19 +96,6 @@ def _picture_data(found: Discretization, tets: TetMesh, surface: Surface, featur
         singular_edges=found.singular.edges,
         quarters=found.singular.quarters,
     )
-
-
-def draw_or_warn(context: StageContext, pictures: Mapping[str, str], data: FieldData) -> None:
-    """Pictures by name -> file in the workspace, or a warning where this machine cannot draw: no result needs them."""
-    with scratch_folder(context.workspace.folder) as scratch:
-        drawn = {name: scratch / file for name, file in pictures.items()}
-        try:
-            draw_field(drawn, data)
-        except StageError as error:
-            context.warn(f"no pictures: {error}")
-            return
-        for path in drawn.values():
-            path.replace(context.workspace / path.name)
 
 
 def points_step(workspace: Workspace, points_file: Path) -> Step:

@@ -129,12 +129,12 @@ def _train_cube(threads: int) -> str:
 
 
 def _draw_cube() -> str:
-    from neurframe_cli.picture.draw import draw_field
+    from neurframe_cli.picture.draw import draw
     from neurframe_cli.picture.field_data import FieldData
 
     surface = cube()
     data = FieldData(surface, TetMesh(surface.V, np.array([[0, 4, 2, 1]], np.int64)))
     with tempfile.TemporaryDirectory() as scratch:
         picture = Path(scratch) / "cube.png"
-        draw_field({"singular": picture}, data)
+        draw({"singular": picture}, data)
         return f"a PNG of {picture.stat().st_size} bytes"

@@ -33,4 +33,12 @@ def _parametrize(
     return run_program("cubecover", [*files, *size], limits, progress)
 
 
-HEX = MeshKind("hex", "map.hexex", ("hex.vtk", "hex.mesh"), "--target-cells", "hexex", _parametrize)
+HEX = MeshKind(
+    name="hex",
+    map_name="map.hexex",
+    outputs=("hex.vtk", "hex.mesh"),
+    count_option="--target-cells",
+    extractor="hexex",
+    pictures={"hexes": "hex.png", "hexes_cut": "hex-cut.png"},
+    parametrize=_parametrize,
+)

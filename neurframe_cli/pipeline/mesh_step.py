@@ -14,9 +14,11 @@ from neurframe_cli.mesh.quality.check import Verdict
 from neurframe_cli.mesh.read_cells import CellMesh, read_cells
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.mesh.write_cells import write_cells
+from neurframe_cli.picture.mesh_data import MeshData
 from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
 from neurframe_cli.pipeline.checking import check_file
 from neurframe_cli.pipeline.native import Limits, ProgramResult, run_program
+from neurframe_cli.pipeline.pictures import draw_or_warn
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.sizing import ElementSize
 from neurframe_cli.pipeline.tetize_step import SURFACE
@@ -32,13 +34,15 @@ class MeshRequest:
     feature_angle_deg: float
     output: Path | None
     limits: Limits
+    pictures: bool
 
 
 @dataclass(frozen=True)
 class MeshKind:
     """How one kind of mesh is made.
 
-    outputs: its files in the workspace, the first one is read back for the check; count_option: of the parametrizing
+    outputs: its files in the workspace, the first one is read back for the check; pictures: by name of the drawing;
+    count_option: of the parametrizing
     program; parametrize(context, inputs, arguments, map path, limits, progress) runs that program.
     """
 
@@ -47,6 +51,7 @@ class MeshKind:
     outputs: tuple[str, ...]
     count_option: str
     extractor: str
+    pictures: Mapping[str, str]
     parametrize: Callable[
         [StageContext, Mapping[str, Path], list[str], Path, Limits, Progress], ProgramResult
     ]
@@ -64,6 +69,8 @@ def mesh_step(kind: MeshKind, inputs: Mapping[str, Path], request: MeshRequest) 
         verdict = _write(
             kind, context, CellMesh(kind.name, smoothed.V, raw.cells), surface, features, request.output
         )
+        if request.pictures:
+            draw_or_warn(context, kind.pictures, MeshData(smoothed.V, raw.cells))
         context.invalid = _what_is_wrong(kind, parametrization, extraction, verdict)
         return {
             "parametrization": parametrization.statistics,
@@ -77,10 +84,11 @@ def mesh_step(kind: MeshKind, inputs: Mapping[str, Path], request: MeshRequest) 
         name=kind.name,
         version=1,
         inputs=inputs,
-        outputs=(kind.map_name, *kind.outputs),
+        outputs=(kind.map_name, *kind.outputs, *kind.pictures.values()),
         options={
             **asdict(request.size),
             "feature_angle_deg": request.feature_angle_deg,
+            "pictures": request.pictures,
             "output": None if request.output is None else str(request.output),
         },
         unkeyed_options=asdict(request.limits),

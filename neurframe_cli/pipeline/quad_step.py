@@ -55,4 +55,12 @@ def _parametrize(
         return run_program("miq", [*files, "-o", target, *size], limits, progress)
 
 
-QUAD = MeshKind("quad", "map.obj", ("quad.obj",), "--target-faces", "qex", _parametrize)
+QUAD = MeshKind(
+    name="quad",
+    map_name="map.obj",
+    outputs=("quad.obj",),
+    count_option="--target-faces",
+    extractor="qex",
+    pictures={"quads": "quad.png"},
+    parametrize=_parametrize,
+)

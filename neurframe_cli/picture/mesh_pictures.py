@@ -1,0 +1,114 @@
+"""Quad and hex meshes coloured by quality: from outside, behind a cut, and with what is irregular in them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from neurframe_cli.mesh.arrays import Bools, Floats, Ints
+from neurframe_cli.mesh.quality.check import HEX_EDGES, HEX_FACES
+from neurframe_cli.mesh.quality.polygons import triangulated, unique_edges, valences
+from neurframe_cli.mesh.quality.scaled_jacobian import hex_scaled_jacobians, quad_scaled_jacobians
+from neurframe_cli.picture.mesh_data import MeshData
+from neurframe_cli.picture.scene import Scene, polydata
+
+# colour of a cell by its worst scaled Jacobian, linear in between; below 0 it is inverted
+QUALITY_RAMP = ((0.0, "#b2182b"), (0.3, "#ef8a62"), (0.6, "#fddbc7"), (0.8, "#e9eef4"), (1.0, "#c3d5ea"))
+FEW_COLOR, MANY_COLOR = "#2f6fd0", "#c8322b"
+EDGE_COLOR = "#39424d"
+
+
+def draw_quads(path: Path, data: MeshData) -> None:
+    """PNG of the quads, coloured by quality, with vertices of valence below four blue and above four red."""
+    quality = quad_scaled_jacobians(data.V, data.cells).min(axis=1)
+    scene = Scene(data.V[np.unique(data.cells)])
+    _faces(scene, data.V, data.cells, quality)
+    edges, use = unique_edges(data.cells)
+    found = valences(edges, len(data.V))
+    interior = np.setdiff1d(np.unique(edges), edges[use == 1])
+    few, many = interior[found[interior] < 4], interior[found[interior] > 4]
+    for chosen, color, name in (
+        (few, FEW_COLOR, "fewer than four quads"),
+        (many, MANY_COLOR, "more than four quads"),
+    ):
+        if len(chosen):
+            scene.plotter.add_mesh(
+                polydata(data.V[chosen]), color=color, point_size=15, render_points_as_spheres=True
+            )
+            scene.label(color, f"{name}: {len(chosen)} vertices")
+    _label_quality(scene, quality, "quads")
+    scene.save(path)
+
+
+def draw_hexes(path: Path, data: MeshData) -> None:
+    """PNG of the hexes from outside, coloured by quality."""
+    quality = hex_scaled_jacobians(data.V, data.cells).min(axis=1)
+    scene = Scene(data.V[np.unique(data.cells)])
+    shell, owner = _shell(data.cells)
+    _faces(scene, data.V, shell, quality[owner])
+    _label_quality(scene, quality, "hexes")
+    scene.save(path)
+
+
+def draw_hexes_cut(path: Path, data: MeshData) -> None:
+    """PNG of the hexes behind a cut, with the interior edges where other than four hexes meet."""
+    quality = hex_scaled_jacobians(data.V, data.cells).min(axis=1)
+    points = data.V[np.unique(data.cells)]
+    scene = Scene(points)
+    axis = int(np.abs(scene.toward_viewer[:2]).argmax())
+    side = np.sign(scene.toward_viewer[axis])
+    centroids = side * data.V[data.cells].mean(axis=1)[:, axis]
+    kept = np.flatnonzero(centroids <= side * (points[:, axis].max() + points[:, axis].min()) / 2)
+    shell, owner = _shell(data.cells[kept])
+    _faces(scene, data.V, shell, quality[kept][owner])
+    for color, edges, name in _singular_edges(data.cells):
+        scene.lines(data.V, edges, color=color, width=3.0, tubes=True)
+        if len(edges):
+            scene.label(color, f"{name}: {len(edges)} edges")
+    _label_quality(scene, quality, "hexes")
+    scene.save(path)
+
+
+def _shell(H: Ints) -> tuple[Ints, Ints]:
+    """Faces (f,4) of exactly one hex, and which (f,)."""
+    faces = H[:, HEX_FACES].reshape(-1, 4)
+    _, first, use = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    return faces[first[use == 1]], first[use == 1] // len(HEX_FACES)
+
+
+def _singular_edges(H: Ints) -> list[tuple[str, Ints, str]]:
+    """Interior edges of fewer and of more than four hexes."""
+    edges, count = np.unique(np.sort(H[:, HEX_EDGES].reshape(-1, 2), axis=1), axis=0, return_counts=True)
+    interior = ~_among(edges, unique_edges(_shell(H)[0])[0])
+    return [
+        (FEW_COLOR, edges[interior & (count < 4)], "fewer than four hexes"),
+        (MANY_COLOR, edges[interior & (count > 4)], "more than four hexes"),
+    ]
+
+
+def _among(edges: Ints, others: Ints) -> Bools:
+    size = int(edges.max()) + 1
+    return np.isin(edges @ np.array([size, 1]), others @ np.array([size, 1]))
+
+
+def _faces(scene: Scene, V: Floats, quads: Ints, quality: Floats) -> None:
+    """Flat quads with their edges; drawn as triangles, so that warped ones show as they are measured."""
+    mesh = polydata(V, faces=triangulated(quads))
+    mesh.cell_data["color"] = np.tile(_colors(quality), (2, 1))
+    scene.plotter.add_mesh(mesh, scalars="color", rgb=True, smooth_shading=False, ambient=0.5, diffuse=0.65)
+    scene.lines(V, unique_edges(quads)[0], color=EDGE_COLOR, width=1.2 if len(quads) < 20_000 else 0.5)
+
+
+def _colors(quality: Floats) -> Ints:
+    """(m,3) uint8 from QUALITY_RAMP."""
+    stops = np.array([stop for stop, _ in QUALITY_RAMP])
+    table = np.array([[int(color[i : i + 2], 16) for i in (1, 3, 5)] for _, color in QUALITY_RAMP])
+    return np.stack([np.interp(quality, stops, table[:, k]) for k in range(3)], axis=1).astype(np.uint8)
+
+
+def _label_quality(scene: Scene, quality: Floats, name: str) -> None:
+    worst, mean = float(quality.min()), float(quality.mean())
+    scene.label(QUALITY_RAMP[-1][1], f"{len(quality)} {name}, scaled Jacobian {mean:.3f} (mean)")
+    color = QUALITY_RAMP[int(np.searchsorted([stop for stop, _ in QUALITY_RAMP[1:]], worst))][1]
+    scene.label(color, f"{worst:.3f} (worst)")
