@@ -89,7 +89,8 @@ def _boundary_of_map(path: Path) -> tuple[Surface, Features]:
     words = path.read_text().split()
     count = int(words[0])
     V = np.array(words[1 : 1 + 3 * count], np.float64).reshape(-1, 3)
-    tets = np.array(words[2 + 3 * count :]).reshape(-1, 16)[:, :4].astype(np.int64)
+    first, cells = 2 + 3 * count, int(words[1 + 3 * count])  # features may follow the cells
+    tets = np.array(words[first : first + 16 * cells]).reshape(cells, 16)[:, :4].astype(np.int64)
     mirrored = np.linalg.det(V[tets[:, 1:]] - V[tets[:, :1]]) < 0
     tets[mirrored] = tets[mirrored][:, [0, 2, 1, 3]]
     points, faces = compact(V, tet_adjacency(tets).boundary_faces)
