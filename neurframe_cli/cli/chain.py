@@ -152,8 +152,8 @@ def _summary(stage: str, report: Mapping[str, Any]) -> list[str]:
     if stage in ("quad", "hex"):
         mesh = report["mesh"]
         return [
-            f"{mesh['cells']} {'quads' if stage == 'quad' else 'hexes'}, scaled Jacobian {mesh['min_scaled_jacobian']:.3f} (worst) "
-            f"{mesh['mean_scaled_jacobian']:.3f} (mean), distance to the input {100 * mesh['hausdorff']:.2f} % of the "
-            "diagonal"
+            f"{mesh['cells']} {'quads' if stage == 'quad' else 'hexes'}, scaled Jacobian "
+            f"{mesh['min_scaled_jacobian']:.3f} (worst) {mesh['mean_scaled_jacobian']:.3f} (mean)",
+            f"distance to the input {100 * mesh['hausdorff']:.2f} % of the diagonal",
         ]
     return [", ".join(f"{value} {name}" for name, value in report.items())]

@@ -34,7 +34,10 @@ def draw_quads(path: Path, data: MeshData) -> None:
     ):
         if len(chosen):
             scene.plotter.add_mesh(
-                polydata(data.V[chosen]), color=color, point_size=15, render_points_as_spheres=True
+                polydata(_raised(scene, data.V[chosen])),
+                color=color,
+                point_size=15,
+                render_points_as_spheres=True,
             )
             scene.label(color, f"{name}: {len(chosen)} vertices")
     _label_quality(scene, quality, "quads")
@@ -97,7 +100,14 @@ def _faces(scene: Scene, V: Floats, quads: Ints, quality: Floats) -> None:
     mesh = polydata(V, faces=triangulated(quads))
     mesh.cell_data["color"] = np.tile(_colors(quality), (2, 1))
     scene.plotter.add_mesh(mesh, scalars="color", rgb=True, smooth_shading=False, ambient=0.5, diffuse=0.65)
-    scene.lines(V, unique_edges(quads)[0], color=EDGE_COLOR, width=1.2 if len(quads) < 20_000 else 0.5)
+    scene.lines(
+        _raised(scene, V), unique_edges(quads)[0], color=EDGE_COLOR, width=1.2 if len(quads) < 20_000 else 0.5
+    )
+
+
+def _raised(scene: Scene, V: Floats) -> Floats:
+    """Points a little nearer to the viewer, so that what is drawn there is not half inside the faces."""
+    return np.asarray(V + 2e-3 * scene.diagonal * scene.toward_viewer)
 
 
 def _colors(quality: Floats) -> Ints:
