@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
+from neurframe_cli.mesh.arrays import Bools, Features, Floats, Ints, Surface
 from neurframe_cli.mesh.optimize.constraints import FREE, ON_CURVE, ON_SURFACE, PINNED, Constraints, Track
-from neurframe_cli.mesh.optimize.feature_curves import feature_curves
-from neurframe_cli.mesh.optimize.match_curves import match_features
+from neurframe_cli.mesh.optimize.feature_curves import FeatureCurves, feature_curves
+from neurframe_cli.mesh.optimize.match_curves import MatchedFeatures, match_features
 from neurframe_cli.mesh.optimize.patches import Patches, pair_patches
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
 from neurframe_cli.mesh.quality.polygons import unique_edges
@@ -70,7 +70,12 @@ def classify(X: Floats, faces: Ints, surface: Surface, features: Features, voids
     tracks = [Track(t.tree, np.unique(t.vertices[kind[t.vertices] == ON_CURVE])) for t in tracks]
     for t, tree in enumerate(patches.trees):
         tracks.append(Track(tree, np.flatnonzero((patches.of_vertex == t) & (kind == ON_SURFACE))))
-    counts = Classification(
+    constraints = Constraints(kind, pins, [t for t in tracks if len(t.vertices)])
+    return Classified(constraints, patches, start, _counts(curves, matched, kind, off))
+
+
+def _counts(curves: FeatureCurves, matched: MatchedFeatures, kind: Ints, off: Bools) -> Classification:
+    return Classification(
         corners=len(curves.corners),
         matched_corners=len(matched.corners),
         curves=len(curves.curves),
@@ -80,8 +85,6 @@ def classify(X: Floats, faces: Ints, surface: Surface, features: Features, voids
         free=int((kind == FREE).sum()),
         off_surface=int(off.sum()),
     )
-    constraints = Constraints(kind, pins, [t for t in tracks if len(t.vertices)])
-    return Classified(constraints, patches, start, counts)
 
 
 def curve_tree(points: Floats) -> SimplexTree:
