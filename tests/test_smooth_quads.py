@@ -8,6 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from smooth_shapes import Shape, bump_quads, cube_quads, jitter, patch_quads, sphere_quads, torus_quads
 
+from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Floats, Surface, silent
 from neurframe_cli.mesh.optimize.improve import ImproveOptions
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
@@ -146,3 +147,9 @@ def test_progress_grows_to_its_end() -> None:
     assert seen[0] == 0.0
     assert seen[-1] == 1.0
     smooth_quads(shape.V, shape.cells, shape.surface, shape.features, SmoothOptions(), silent)
+
+
+def test_no_quads_are_refused() -> None:
+    shape = cube_quads(2)
+    with pytest.raises(InvalidMesh, match="no cells"):
+        smooth_quads(shape.V, shape.cells[:0], shape.surface, shape.features, SmoothOptions())

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface
 from neurframe_cli.mesh.optimize.cell_kind import CellKind
 from neurframe_cli.mesh.optimize.classify import Classification, classify
@@ -66,7 +67,12 @@ def smooth_cells(
     options: SmoothOptions,
     progress: Progress,
 ) -> SmoothedMesh:
-    """Smooth cells (c,k) whose boundary quads, or which themselves if quads, are `faces` (f,4)."""
+    """Smooth cells (c,k) whose boundary quads, or which themselves if quads, are `faces` (f,4).
+
+    Raises InvalidMesh if there are no cells.
+    """
+    if len(cells) == 0:
+        raise InvalidMesh("there are no cells to smooth")
     progress(0.0, "matching features")
     classified = classify(X, faces, surface, features, voids=faces is not cells)
     normals = _outward(faces, classified.patches) if faces is cells else None
