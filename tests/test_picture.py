@@ -195,10 +195,13 @@ def test_a_spread_sample_has_one_point_a_cell_and_covers_all():
 def test_pictures_of_meshes_show_what_is_irregular(tmp_path):
     from test_quality import cube_shell, hex_grid
 
+    blue = (20, 60, 140), (110, 170, 255)
     V, Q = cube_shell(4)
     draw({"quads": tmp_path / "quads.png"}, MeshData(V, Q))
-    # valence three at the eight corners, of which at least the four in front are seen, as blue balls
-    assert share_of_color(tmp_path / "quads.png", (30, 80, 170), (90, 150, 255)) > 2e-4
+    # valence three at the eight corners, of which seven are seen as blue balls; the four sides of one face have none
+    assert share_of_color(tmp_path / "quads.png", *blue) > 5e-5
+    draw({"quads": tmp_path / "flat.png"}, MeshData(V, Q[(V[Q][:, :, 2] == 1).all(axis=1)]))
+    assert share_of_color(tmp_path / "flat.png", *blue) < 5e-5
     V, H = hex_grid(4)
     draw({"hexes": tmp_path / "hexes.png", "hexes_cut": tmp_path / "cut.png"}, MeshData(V, H))
     for name in ("hexes.png", "cut.png"):
