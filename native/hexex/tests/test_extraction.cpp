@@ -3,17 +3,25 @@
 #include <map>
 #include <set>
 
+#include "core/hex_io.hpp"
 #include "core/testing.hpp"
-#include "hexex/build_grid_map.hpp"
-#include "hexex/extract_hexes.hpp"
+#include "hexex/build_hex_grid_map.hpp"
 #include "hexex/tests/sample_maps.hpp"
 
 using namespace neurframe;
 
-static Extraction extracted(const HexMap& map, int threads = 1) {
+struct Result {
+  HexMesh mesh;
+  std::vector<LostCell<3>> lost;
+  int folded_cells;
+};
+
+static Result extracted(const HexMap& map, int threads = 1) {
+  OrientationReport orientation;
   MapReport report;
-  const GridMap grid = build_grid_map(map, false, threads, report);
-  return extract_hexes(grid, threads, [](double, const std::string&) {});
+  const GridMap<3> grid = build_hex_grid_map(map, false, threads, orientation, report);
+  const Extraction<3> found = extract_cells(grid, threads, [](double, const std::string&) {});
+  return {{found.V, found.cells}, found.lost, found.folded_cells};
 }
 
 // Every face in one or two hexes, and those on opposite sides.
@@ -66,7 +74,7 @@ static bool is_cube_grid(const HexMesh& mesh, int cells) {
 }
 
 static void check_cube(const HexMap& map, int cells, int threads) {
-  const Extraction result = extracted(map, threads);
+  const Result result = extracted(map, threads);
   const auto n = static_cast<std::size_t>(cells);
   CHECK(result.lost.empty());
   CHECK(result.mesh.H.size() == n * n * n);
@@ -107,7 +115,7 @@ static void test_threads_do_not_matter() {
   HexMap map = cube_map(9, 12);
   fold_cube(map, 0.9, std::ldexp(1.0, -20), random);
   rechart(map, random);
-  const Extraction one = extracted(map, 1);
+  const Result one = extracted(map, 1);
   CHECK(same_mesh(one.mesh, extracted(map, 2).mesh));
   CHECK(same_mesh(one.mesh, extracted(map, 5).mesh));
 }
@@ -118,7 +126,7 @@ static void test_singular_edges() {
     for (const int cells : {1, 2, 5}) {
       HexMap map = sector_map(sectors, 3, cells);
       rechart(map, random, 1e-6);
-      const Extraction result = extracted(map);
+      const Result result = extracted(map);
       CHECK(result.lost.empty());
       CHECK(result.mesh.H.size() == static_cast<std::size_t>(sectors * cells * cells * cells));
       CHECK(result.mesh.V.size() ==
@@ -137,7 +145,7 @@ static void test_folds() {
     HexMap map = cube_map(6, 9);
     fold_cube(map, 1.0, std::ldexp(1.0, -20), random);
     rechart(map, random);
-    const Extraction result = extracted(map);
+    const Result result = extracted(map);
     CHECK(result.mesh.H.size() == 729 && result.mesh.V.size() == 1000);
     CHECK(is_manifold(result.mesh));
     folded += result.folded_cells;
@@ -153,7 +161,7 @@ static void test_flat_tets() {
     HexMap map = cube_map(6, 6);
     fold_cube(map, 0.4, 0.5, random);
     rechart(map, random);
-    const Extraction result = extracted(map);
+    const Result result = extracted(map);
     CHECK(is_manifold(result.mesh));
     CHECK(result.mesh.H.size() == 216 && result.mesh.V.size() == 343);
   }

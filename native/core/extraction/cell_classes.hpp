@@ -4,11 +4,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/octahedral_rotation.hpp"
+#include "core/extraction/grid_map.hpp"
 
 namespace neurframe {
 
 // Union-find whose members carry the rotation from their chart to that of the class.
+template <int N>
 class CellClasses {
  public:
   explicit CellClasses(std::size_t cells) : parent_(cells), to_parent_(cells), twisted_(cells, 0) {
@@ -17,7 +18,7 @@ class CellClasses {
 
   struct Root {
     int cell;
-    OctahedralRotation rotation;  // from the chart asked for to that of the root
+    Rotation<N> rotation;  // from the chart asked for to that of the root
   };
 
   Root find(int cell) {
@@ -28,7 +29,7 @@ class CellClasses {
     }
     if (path_.empty()) return {cell, {}};
     const int root = parent_[path_.back()];
-    OctahedralRotation rotation;
+    Rotation<N> rotation;
     for (auto i = path_.rbegin(); i != path_.rend(); ++i) {  // compress, from the root down
       rotation = rotation * to_parent_[*i];
       to_parent_[*i] = rotation;
@@ -39,13 +40,13 @@ class CellClasses {
 
   // Declares a and b the same cell; `rotation` leads from the chart of a to that of b.  The lower number is
   // the root.
-  void join(int a, int b, OctahedralRotation rotation) {
+  void join(int a, int b, Rotation<N> rotation) {
     const Root x = find(a);
     const Root y = find(b);
-    const OctahedralRotation root_to_root = y.rotation * rotation * x.rotation.inverse();
+    const Rotation<N> root_to_root = y.rotation * rotation * x.rotation.inverse();
     if (x.cell == y.cell) {
       // the cell comes back to itself turned: a singularity inside of it
-      if (!root_to_root.is_identity()) twisted_[static_cast<std::size_t>(x.cell)] = 1;
+      if (root_to_root != Rotation<N>{}) twisted_[static_cast<std::size_t>(x.cell)] = 1;
       return;
     }
     const bool x_below = x.cell > y.cell;
@@ -60,7 +61,7 @@ class CellClasses {
 
  private:
   std::vector<int> parent_;
-  std::vector<OctahedralRotation> to_parent_;
+  std::vector<Rotation<N>> to_parent_;
   std::vector<char> twisted_;
   std::vector<std::size_t> path_;
 };

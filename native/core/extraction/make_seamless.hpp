@@ -11,36 +11,37 @@
 #include <cmath>
 #include <vector>
 
-#include "core/hex_map_io.hpp"
+#include "core/extraction/fixed_space.hpp"
+#include "core/extraction/grid_map.hpp"
+#include "core/extraction/recover_transitions.hpp"
+#include "core/extraction/vertex_stars.hpp"
 #include "core/parallel.hpp"
-#include "hexex/fixed_space.hpp"
-#include "hexex/grid_map.hpp"
-#include "hexex/recover_transitions.hpp"
-#include "hexex/vertex_stars.hpp"
 
 namespace neurframe {
 
 struct SeamlessReport {
   double largest_move = 0.0;       // in cells, over all corners
   int contradictory_vertices = 0;  // no point satisfies the conditions of the star
-  int broken_faces = 0;            // interior faces whose transition is not exact
+  int broken_facets = 0;           // interior facets whose transition is not exact
 };
 
 namespace detail {
 
 // One connected part of the star of a vertex, with the transition from its first chart to each of its charts.
+template <int N>
 struct StarSheet {
   std::vector<int> corners;
-  std::vector<GridTransition3> from_master;
+  std::vector<GridTransition<N>> from_master;
 };
 
+template <int N>
 class StarWalker {
  public:
-  StarWalker(const GridMap& map, const RecoveredTransitions& found, const HexMap& real)
+  StarWalker(const GridMap<N>& map, const RecoveredTransitions<N>& found, const RealParameters<N>& real)
       : map_(map), found_(found), real_(real) {}
 
   // Sets the parameters of all corners of a star; returns the largest move, or -1 on a contradiction.
-  double settle(std::span<const int> star, std::vector<std::array<FixedPoint3, 4>>& P) {
+  double settle(std::span<const int> star, std::vector<std::array<FixedPoint<N>, N + 1>>& P) {
     double move = 0.0;
     bool consistent = true;
     pending_.assign(star.begin(), star.end());
@@ -69,10 +70,11 @@ class StarWalker {
 
   void visit_neighbours(std::size_t place, bool ambiguous) {
     const int corner = sheet_.corners[place];
-    for (int i = 0; i < 4; ++i) {
-      const int h = corner - corner % 4 + i;
+    for (int i = 0; i <= N; ++i) {
+      const int h = corner - corner % (N + 1) + i;
       const int across = map_.twin[static_cast<std::size_t>(h)];
-      if (h == corner || across < 0 || found_.transition[static_cast<std::size_t>(h)].ambiguous != ambiguous)
+      if (is_opposite(h, corner) || across < 0 ||
+          found_.transition[static_cast<std::size_t>(h)].ambiguous != ambiguous)
         continue;
       const int next = corner_across(corner, across);
       const auto waiting = std::lower_bound(pending_.begin(), pending_.end(), next);
@@ -83,60 +85,65 @@ class StarWalker {
     }
   }
 
-  int corner_across(int corner, int across) const {
-    const auto t = static_cast<std::size_t>(corner / 4);
-    const int vertex = map_.mesh.T[t][static_cast<std::size_t>(corner % 4)];
-    return across - across % 4 + corner_of(map_.mesh.T[static_cast<std::size_t>(across / 4)], vertex);
+  // True when the facet is the one opposite to the corner, in one simplex.
+  static bool is_opposite(int facet, int corner) {
+    return Dimension<N>::opposite_corner[static_cast<std::size_t>(facet % (N + 1))] == corner % (N + 1);
   }
 
-  GridTransition3 transition(int h) const {
+  int corner_across(int corner, int across) const {
+    const auto t = static_cast<std::size_t>(corner / (N + 1));
+    const int vertex = map_.S[t][static_cast<std::size_t>(corner % (N + 1))];
+    return across - across % (N + 1) + corner_at(map_.S[static_cast<std::size_t>(across / (N + 1))], vertex);
+  }
+
+  GridTransition<N> transition(int h) const {
     return as_grid_transition(found_.transition[static_cast<std::size_t>(h)]);
   }
 
-  double settle_sheet(std::vector<std::array<FixedPoint3, 4>>& P, bool& consistent) const {
-    FixedSpace space(map_.one());
+  double settle_sheet(std::vector<std::array<FixedPoint<N>, N + 1>>& P, bool& consistent) const {
+    FixedSpace<N> space(map_.one());
     for (std::size_t place = 0; place < sheet_.corners.size(); ++place) {
       consistent = add_conditions(place, space) && consistent;
     }
-    const FixedPoint3 master = space.project(rounded(sheet_.corners[0]));
+    const FixedPoint<N> master = space.project(rounded(sheet_.corners[0]));
     double move = 0.0;
     for (std::size_t place = 0; place < sheet_.corners.size(); ++place) {
       const int corner = sheet_.corners[place];
-      const FixedPoint3 value = sheet_.from_master[place](master, map_.one());
+      const FixedPoint<N> value = sheet_.from_master[place](master, map_.one());
       for (const Fixed d : difference(value, rounded(corner))) {
         move = std::max(move, std::abs(from_fixed(d, map_.fraction_bits)));
       }
-      P[static_cast<std::size_t>(corner / 4)][static_cast<std::size_t>(corner % 4)] = value;
+      P[static_cast<std::size_t>(corner / (N + 1))][static_cast<std::size_t>(corner % (N + 1))] = value;
     }
     return move;
   }
 
-  bool add_conditions(std::size_t place, FixedSpace& space) const {
+  bool add_conditions(std::size_t place, FixedSpace<N>& space) const {
     const int corner = sheet_.corners[place];
-    const GridTransition3 to_master = sheet_.from_master[place].inverse();
+    const GridTransition<N> to_master = sheet_.from_master[place].inverse();
     bool consistent = true;
-    for (int i = 0; i < 4; ++i) {
-      const int h = corner - corner % 4 + i;
-      if (h == corner) continue;
+    for (int i = 0; i <= N; ++i) {
+      const int h = corner - corner % (N + 1) + i;
+      if (is_opposite(h, corner)) continue;
       const int across = map_.twin[static_cast<std::size_t>(h)];
       if (across < 0) {
         consistent = add_boundary_plane(h, to_master, space) && consistent;
       } else if (across > h && !found_.transition[static_cast<std::size_t>(h)].ambiguous) {
         const std::size_t other = place_of(corner_across(corner, across));
-        const GridTransition3 loop =
+        const GridTransition<N> loop =
             sheet_.from_master[other].inverse() * transition(h) * sheet_.from_master[place];
-        if (loop != GridTransition3{}) consistent = space.require_fixed_by(loop) && consistent;
+        if (loop != GridTransition<N>{}) consistent = space.require_fixed_by(loop) && consistent;
       }
     }
     return consistent;
   }
 
-  bool add_boundary_plane(int h, const GridTransition3& to_master, FixedSpace& space) const {
+  bool add_boundary_plane(int h, const GridTransition<N>& to_master, FixedSpace<N>& space) const {
     const BoundaryPlane& plane = found_.boundary[static_cast<std::size_t>(h)];
     if (plane.axis < 0) return true;
-    FixedPoint3 direction{0, 0, 0};
+    FixedPoint<N> direction{};
     direction[static_cast<std::size_t>(plane.axis)] = 1;
-    FixedPoint3 point{0, 0, 0};
+    FixedPoint<N> point{};
     point[static_cast<std::size_t>(plane.axis)] = plane.value;
     direction = to_master.rotation(direction);
     point = to_master(point, Fixed{1});
@@ -150,36 +157,37 @@ class StarWalker {
                                     sheet_.corners.begin());
   }
 
-  FixedPoint3 rounded(int corner) const {
-    const Point3& u =
-        real_.parameters[static_cast<std::size_t>(corner / 4)][static_cast<std::size_t>(corner % 4)];
-    return {to_fixed(u[0], map_.fraction_bits), to_fixed(u[1], map_.fraction_bits),
-            to_fixed(u[2], map_.fraction_bits)};
+  FixedPoint<N> rounded(int corner) const {
+    const auto& corners = real_[static_cast<std::size_t>(corner / (N + 1))];
+    FixedPoint<N> lattice{};
+    for (std::size_t k = 0; k < N; ++k) {
+      lattice[k] = to_fixed(corners[static_cast<std::size_t>(corner % (N + 1))][k], map_.fraction_bits);
+    }
+    return lattice;
   }
 
-  const GridMap& map_;
-  const RecoveredTransitions& found_;
-  const HexMap& real_;
+  const GridMap<N>& map_;
+  const RecoveredTransitions<N>& found_;
+  const RealParameters<N>& real_;
   std::vector<int> pending_;  // ascending
-  StarSheet sheet_;
+  StarSheet<N> sheet_;
 };
 
-// Marks the transitions that map the three corners of their face exactly; returns the number of faces that
-// fail.
-inline int mark_exact_transitions(GridMap& map) {
+// Marks the transitions that map the corners of their facet exactly; returns the number of facets that fail.
+template <int N>
+int mark_exact_transitions(GridMap<N>& map) {
   int broken = 0;
   for (std::size_t i = 0; i < map.twin.size(); ++i) {
     const int other = map.twin[i];
-    if (other < static_cast<int>(i)) continue;
     const int h = static_cast<int>(i);
-    const std::array<int, 3> vertices = half_face_vertices(map.mesh.T, h);
+    if (other < h) continue;
+    const auto s = static_cast<std::size_t>(other / (N + 1));
+    const std::array<int, N> vertices = facet_vertices<N>(map.S, h);
+    const std::array<FixedPoint<N>, N> points = facet_points(map, h);
     bool exact = true;
-    for (int k = 0; k < 3; ++k) {
-      const auto s = static_cast<std::size_t>(other / 4);
-      const auto corner =
-          static_cast<std::size_t>(corner_of(map.mesh.T[s], vertices[static_cast<std::size_t>(k)]));
-      exact =
-          exact && carry(map.transition[i], face_corner(map, h, k), map.fraction_bits) == map.P[s][corner];
+    for (std::size_t k = 0; k < N; ++k) {
+      const auto corner = static_cast<std::size_t>(corner_at(map.S[s], vertices[k]));
+      exact = exact && carry(map.transition[i], points[k], map.fraction_bits) == map.P[s][corner];
     }
     broken += exact ? 0 : 1;
     map.transition[i].exact = map.transition[static_cast<std::size_t>(other)].exact = exact;
@@ -189,15 +197,16 @@ inline int mark_exact_transitions(GridMap& map) {
 
 }  // namespace detail
 
-// Fills map.P and the exactness of map.transition from the real parameters.
-inline SeamlessReport make_seamless(const HexMap& real, const RecoveredTransitions& found, int threads,
-                                    GridMap& map) {
-  const VertexStars stars = vertex_stars(map.mesh);
-  map.P.resize(map.mesh.T.size());
-  std::vector<double> moves(map.mesh.V.size(), 0.0);
+// Fills map.P and map.transition from the real parameters.
+template <int N>
+SeamlessReport make_seamless(const RealParameters<N>& real, const RecoveredTransitions<N>& found, int threads,
+                             GridMap<N>& map) {
+  const VertexStars stars = vertex_stars(map);
+  map.P.resize(map.S.size());
+  std::vector<double> moves(map.V.size(), 0.0);
   parallel_chunks(static_cast<std::int64_t>(moves.size()), threads,
                   [&](std::int64_t begin, std::int64_t end, std::int64_t) {
-                    detail::StarWalker walker(map, found, real);
+                    detail::StarWalker<N> walker(map, found, real);
                     for (std::int64_t v = begin; v < end; ++v) {
                       moves[static_cast<std::size_t>(v)] =
                           walker.settle(stars.of(static_cast<std::size_t>(v)), map.P);
@@ -209,7 +218,7 @@ inline SeamlessReport make_seamless(const HexMap& real, const RecoveredTransitio
     report.largest_move = std::max(report.largest_move, move);
   }
   map.transition = found.transition;
-  report.broken_faces = detail::mark_exact_transitions(map);
+  report.broken_facets = detail::mark_exact_transitions(map);
   return report;
 }
 

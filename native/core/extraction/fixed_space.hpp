@@ -8,22 +8,27 @@
 #include <array>
 #include <optional>
 
-#include "core/fixed_point.hpp"
-#include "core/octahedral_rotation.hpp"
+#include "core/extraction/grid_map.hpp"
 
 namespace neurframe {
 
+template <int N>
 class FixedSpace {
  public:
-  explicit FixedSpace(Fixed one) : one_(one) {}
+  explicit FixedSpace(Fixed one) : one_(one) {
+    for (std::size_t i = 0; i < N; ++i) terms_[i].root = i;
+  }
 
   // Requires h(u) = u.  False when no point satisfies this and what was required before.
-  bool require_fixed_by(const GridTransition3& h) {
+  bool require_fixed_by(const GridTransition<N>& h) {
     bool consistent = true;
-    for (int row = 0; row < 3; ++row) {
-      const auto i = static_cast<std::size_t>(row);
-      const auto k = static_cast<std::size_t>(h.rotation.axis(row));
-      consistent = relate(i, k, h.rotation.sign(row), h.translation[i] * one_) && consistent;
+    for (std::size_t k = 0; k < N; ++k) {
+      FixedPoint<N> axis{};
+      axis[k] = 1;
+      const FixedPoint<N> image = h.rotation(axis);  // coordinate k goes to the one entry that is not zero
+      std::size_t i = 0;
+      while (image[i] == 0) ++i;
+      consistent = relate(i, k, static_cast<int>(image[i]), h.translation[i] * one_) && consistent;
     }
     return consistent;
   }
@@ -35,9 +40,9 @@ class FixedSpace {
   }
 
   // The nearest point, except that coordinates which are bound to each other follow the first of them.
-  Vector3<Fixed> project(const Vector3<Fixed>& u) const {
-    Vector3<Fixed> projected{};
-    for (std::size_t i = 0; i < 3; ++i) {
+  FixedPoint<N> project(const FixedPoint<N>& u) const {
+    FixedPoint<N> projected{};
+    for (std::size_t i = 0; i < N; ++i) {
       const Term& term = terms_[i];
       const Term& first = terms_[term.root];
       const Fixed root =
@@ -49,7 +54,7 @@ class FixedSpace {
 
  private:
   struct Term {  // u_i = sign x_root + offset
-    std::size_t root;
+    std::size_t root = 0;
     int sign = 1;
     Fixed offset = 0;
   };
@@ -83,8 +88,8 @@ class FixedSpace {
   }
 
   Fixed one_;
-  std::array<Term, 3> terms_{Term{0}, Term{1}, Term{2}};
-  std::array<std::optional<Fixed>, 3> values_;
+  std::array<Term, N> terms_;
+  std::array<std::optional<Fixed>, N> values_;
 };
 
 }  // namespace neurframe

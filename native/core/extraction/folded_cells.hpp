@@ -1,4 +1,4 @@
-// The cells that a walk could not settle: folds and flat tets.
+// The cells that a walk could not settle: folds and flat simplices.
 //
 // A fold shows a cell centre several times, with signs +1, -1, +1 in the simplest case, and a walk from one
 // of them to a corner may return to another.  All that are linked so form a class; its signs add up to the
@@ -13,24 +13,32 @@
 #include <unordered_map>
 #include <vector>
 
-#include "hexex/cell_classes.hpp"
-#include "hexex/grid_vertices.hpp"
-#include "hexex/trace_cells.hpp"
+#include "core/extraction/cell_classes.hpp"
+#include "core/extraction/grid_vertices.hpp"
+#include "core/extraction/trace_cells.hpp"
 
 namespace neurframe {
 
 // What the preimages of one cell know of it, in the chart of the root of its class.
+template <int N>
 struct CellSummary {
   int sign = 0;
   int members = 0;
-  std::array<int, 8> corners{-1, -1, -1, -1, -1, -1, -1, -1};
-  std::array<int, 8> failures{};  // code of a walk that failed, where none arrived
+  std::array<int, cell_corners<N>> corners = no_corners();
+  std::array<int, cell_corners<N>> failures{};  // code of a walk that failed, where none arrived
+
+  static std::array<int, cell_corners<N>> no_corners() {
+    std::array<int, cell_corners<N>> corners;
+    corners.fill(-1);
+    return corners;
+  }
 };
 
+template <int N>
 class FoldedCells {
  public:
-  FoldedCells(const GridMap& map, const InteriorPoints& points, const TracedCells& traced,
-              GridVertices& vertices)
+  FoldedCells(const GridMap<N>& map, const InteriorPoints<N>& points, const TracedCells<N>& traced,
+              GridVertices<N>& vertices)
       : map_(map),
         points_(points),
         traced_(traced),
@@ -43,7 +51,7 @@ class FoldedCells {
     join_cells_of_one_place();
     if (members_.empty()) return;
     for (std::size_t c = 0; c < traced.cells.size(); ++c) {
-      cell_at_.try_emplace({traced.cells[c].tet, traced.cells[c].centre}, static_cast<int>(c));
+      cell_at_.try_emplace({traced.cells[c].simplex, traced.cells[c].centre}, static_cast<int>(c));
     }
     join_linked_cells();
   }
@@ -54,17 +62,17 @@ class FoldedCells {
   bool twisted(int root) const { return classes_.twisted(root); }
 
   // Joins the vertices that turn out to be one.
-  CellSummary summary(int root) {
-    CellSummary found;
+  CellSummary<N> summary(int root) {
+    CellSummary<N> found;
     for (const int member : members_.at(root)) {
-      const OctahedralRotation to_root = classes_.find(member).rotation;
-      for_each_preimage(member, [&](const PreimageVisit& visit, OctahedralRotation Q) {
-        found.sign += map_.orientation[static_cast<std::size_t>(visit.tet)];
+      const Rotation<N> to_root = classes_.find(member).rotation;
+      for_each_preimage(member, [&](const PreimageVisit<N>& visit, Rotation<N> Q) {
+        found.sign += map_.orientation[static_cast<std::size_t>(visit.simplex)];
         ++found.members;
-        for (int corner = 0; corner < 8; ++corner) {
+        for (int corner = 0; corner < cell_corners<N>; ++corner) {
           const auto place =
-              static_cast<std::size_t>(turned_corner(to_root * visit.rotation.inverse(), corner));
-          note_walk(walk_diagonal(map_, visit.tet, visit.point, corner, Q), place, found);
+              static_cast<std::size_t>(turned_corner<N>(to_root * visit.rotation.inverse(), corner));
+          note_walk(walk_diagonal(map_, visit.simplex, visit.point, corner, Q), place, found);
         }
       });
     }
@@ -72,7 +80,7 @@ class FoldedCells {
   }
 
  private:
-  static bool is_unsettled(const Cell& cell) {
+  static bool is_unsettled(const Cell<N>& cell) {
     bool returned = false;
     for (const int code : cell.corners) returned = returned || code == failed_corner(WalkEnd::returned);
     return cell.sign <= 0 || returned;
@@ -80,12 +88,12 @@ class FoldedCells {
 
   // Several owners of one place are a defect: the charts around it do not fit together.
   void join_cells_of_one_place() {
-    std::unordered_map<PlaceKey, int, PlaceKeyHash> owner;
-    for (const NamedCentre& centre : traced_.centres) {
+    std::unordered_map<PlaceKey<N>, int, PlaceKeyHash> owner;
+    for (const NamedCentre<N>& centre : traced_.centres) {
       const auto [found, added] = owner.try_emplace(centre.key, centre.cell);
       if (added) continue;
-      const OctahedralRotation from = traced_.cells[static_cast<std::size_t>(centre.cell)].frame;
-      const OctahedralRotation to = traced_.cells[static_cast<std::size_t>(found->second)].frame;
+      const Rotation<N> from = traced_.cells[static_cast<std::size_t>(centre.cell)].frame;
+      const Rotation<N> to = traced_.cells[static_cast<std::size_t>(found->second)].frame;
       join(centre.cell, found->second, to * from.inverse());
     }
   }
@@ -109,22 +117,22 @@ class FoldedCells {
   struct Link {
     int from;
     int to;
-    OctahedralRotation rotation;
+    Rotation<N> rotation;
   };
 
   void collect_links(int member, std::vector<Link>& links) {
-    for_each_preimage(member, [&](const PreimageVisit& visit, OctahedralRotation Q) {
-      for (int corner = 0; corner < 8; ++corner) {
-        const WalkResult walk = walk_diagonal(map_, visit.tet, visit.point, corner, Q);
+    for_each_preimage(member, [&](const PreimageVisit<N>& visit, Rotation<N> Q) {
+      for (int corner = 0; corner < cell_corners<N>; ++corner) {
+        const WalkResult<N> walk = walk_diagonal(map_, visit.simplex, visit.point, corner, Q);
         if (walk.end == WalkEnd::returned) add_link(member, walk, walk.rotation * visit.rotation, links);
       }
     });
   }
 
-  // The cell at the place that a walk returned to, which may be kept at another tet of that place.
-  void add_link(int member, const WalkResult& walk, OctahedralRotation rotation, std::vector<Link>& links) {
-    for (const PreimageVisit& visit : search_.visits(walk.tet, walk.point)) {
-      const auto found = cell_at_.find({visit.tet, visit.point});
+  // The cell at the place that a walk returned to, which may be kept at another simplex of that place.
+  void add_link(int member, const WalkResult<N>& walk, Rotation<N> rotation, std::vector<Link>& links) {
+    for (const PreimageVisit<N>& visit : search_.visits(walk.simplex, walk.point)) {
+      const auto found = cell_at_.find({visit.simplex, visit.point});
       if (found == cell_at_.end()) continue;
       links.push_back({member, found->second, visit.rotation * rotation});
       return;
@@ -132,7 +140,7 @@ class FoldedCells {
   }
 
   // False when a and b are in one class already.
-  bool join(int a, int b, OctahedralRotation rotation) {
+  bool join(int a, int b, Rotation<N> rotation) {
     const int x = classes_.find(a).cell;
     const int y = classes_.find(b).cell;
     classes_.join(a, b, rotation);
@@ -146,25 +154,25 @@ class FoldedCells {
     return true;
   }
 
-  // Calls visit(tet, Q) for the tets that hold the centre of a member under the perturbation of its class.
+  // Calls visit(preimage, Q) for the simplices that hold the centre of a member under the perturbation of its
+  // class.
   template <class Visit>
   void for_each_preimage(int member, const Visit& visit) {
-    const Cell& cell = traced_.cells[static_cast<std::size_t>(member)];
-    const CellClasses::Root root = classes_.find(member);
-    const OctahedralRotation Q =
-        root.rotation.inverse() * traced_.cells[static_cast<std::size_t>(root.cell)].frame;
-    const std::vector<PreimageVisit> visits = search_.visits(cell.tet, cell.centre);
-    for (const PreimageVisit& here : visits) {
-      if (map_.orientation[static_cast<std::size_t>(here.tet)] == 0) continue;
-      const FaceSigns signs = detail::exact_face_signs(map_, here.tet, here.point);
-      const OctahedralRotation turned = here.rotation * Q;
-      if (detail::perturbed_inside(map_, here.tet, here.point, signs, turned)) visit(here, turned);
+    const Cell<N>& cell = traced_.cells[static_cast<std::size_t>(member)];
+    const typename CellClasses<N>::Root root = classes_.find(member);
+    const Rotation<N> Q = root.rotation.inverse() * traced_.cells[static_cast<std::size_t>(root.cell)].frame;
+    const std::vector<PreimageVisit<N>> visits = search_.visits(cell.simplex, cell.centre);
+    for (const PreimageVisit<N>& here : visits) {
+      if (map_.orientation[static_cast<std::size_t>(here.simplex)] == 0) continue;
+      const FacetSigns<N> signs = exact_facet_signs(map_, here.simplex, here.point);
+      const Rotation<N> turned = here.rotation * Q;
+      if (perturbed_inside(map_, here.simplex, here.point, signs, turned)) visit(here, turned);
     }
   }
 
-  void note_walk(const WalkResult& walk, std::size_t place, CellSummary& found) {
+  void note_walk(const WalkResult<N>& walk, std::size_t place, CellSummary<N>& found) {
     if (walk.end == WalkEnd::reached) {
-      const int vertex = vertex_at(map_, points_, search_, walk.tet, walk.point, vertices_);
+      const int vertex = vertex_at(map_, points_, search_, walk.simplex, walk.point, vertices_);
       if (found.corners[place] < 0) found.corners[place] = vertex;
       vertices_.join(found.corners[place], vertex);
     } else if (walk.end != WalkEnd::returned) {
@@ -172,14 +180,14 @@ class FoldedCells {
     }
   }
 
-  const GridMap& map_;
-  const InteriorPoints& points_;
-  const TracedCells& traced_;
-  GridVertices& vertices_;
-  PreimageSearch search_;
-  CellClasses classes_;
+  const GridMap<N>& map_;
+  const InteriorPoints<N>& points_;
+  const TracedCells<N>& traced_;
+  GridVertices<N>& vertices_;
+  PreimageSearch<N> search_;
+  CellClasses<N> classes_;
   std::unordered_map<int, std::vector<int>> members_;  // of the classes that are not settled, by root
-  std::unordered_map<PlaceKey, int, PlaceKeyHash> cell_at_;
+  std::unordered_map<PlaceKey<N>, int, PlaceKeyHash> cell_at_;
 };
 
 }  // namespace neurframe

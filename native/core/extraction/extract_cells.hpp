@@ -1,0 +1,139 @@
+// Extraction, cell-centred: from an exact integer-grid map to the quads (N = 2) or hexes (N = 3) of its grid.
+//
+//   1. number the integer points inside simplices                  interior_points.hpp
+//   2. find the cell centres, walk to the corners of each          trace_cells.hpp, diagonal_walk.hpp
+//   3. number the corners between simplices; join repeated ones    grid_vertices.hpp, folded_vertices.hpp
+//   4. assemble cells, account for those that are lost             folded_cells.hpp, assemble_cells.hpp,
+//   manifold_cells.hpp
+//   5. place the vertices                                          here
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/extraction/assemble_cells.hpp"
+#include "core/extraction/folded_vertices.hpp"
+#include "core/extraction/manifold_cells.hpp"
+
+namespace neurframe {
+
+// A vertex of the result on the input: simplex and barycentric coordinates.
+template <int N>
+struct Location {
+  int simplex = -1;
+  std::array<double, N + 1> weights{};
+};
+
+template <int N>
+struct Extraction {
+  std::vector<Point3> V;
+  std::vector<CellVertices<N>> cells;
+  std::vector<Location<N>> locations;  // per vertex
+  std::vector<LostCell<N>> lost;
+  int folded_cells = 0;
+  int joined_vertices = 0;
+};
+
+inline Int128 signed_measure(const std::array<FixedPoint<2>, 3>& P) {
+  return orient2d(P[0], P[1], P[2]);
+}
+inline Int128 signed_measure(const std::array<FixedPoint<3>, 4>& P) {
+  return orient3d(P[0], P[1], P[2], P[3]);
+}
+
+// Barycentric coordinates from exact determinants: exact zeros where the point lies on a facet, edge or
+// vertex.
+template <int N>
+Location<N> locate(const GridMap<N>& map, int simplex, const FixedPoint<N>& point) {
+  Location<N> location{simplex, {}};
+  const auto& P = map.P[static_cast<std::size_t>(simplex)];
+  const auto whole = static_cast<double>(signed_measure(P));
+  for (std::size_t i = 0; i <= N; ++i) {
+    auto replaced = P;
+    replaced[i] = point;
+    location.weights[i] = static_cast<double>(signed_measure(replaced)) / whole;
+  }
+  return location;
+}
+
+template <int N>
+Point3 position(const GridMap<N>& map, const Location<N>& location) {
+  Point3 p{0, 0, 0};
+  for (std::size_t i = 0; i <= N; ++i) {
+    const auto v = static_cast<std::size_t>(map.S[static_cast<std::size_t>(location.simplex)][i]);
+    for (std::size_t k = 0; k < 3; ++k) p[k] += location.weights[i] * map.V[v][k];
+  }
+  return p;
+}
+
+namespace detail {
+
+// Renumbers the vertices that cells use, in ascending order of their old numbers; returns new numbers, -1 if
+// unused.
+template <int N>
+std::vector<int> compact_vertices(std::vector<CellVertices<N>>& cells, int vertices, int& used) {
+  std::vector<int> renumbered(static_cast<std::size_t>(vertices), -1);
+  for (const CellVertices<N>& cell : cells) {
+    for (const int v : cell) renumbered[static_cast<std::size_t>(v)] = 0;
+  }
+  used = 0;
+  for (int& number : renumbered) number = number == 0 ? used++ : -1;
+  for (CellVertices<N>& cell : cells) {
+    for (int& v : cell) v = renumbered[static_cast<std::size_t>(v)];
+  }
+  return renumbered;
+}
+
+template <int N>
+void place_vertices(const GridMap<N>& map, const InteriorPoints<N>& points, const GridVertices<N>& vertices,
+                    const std::vector<int>& renumbered, int threads, Extraction<N>& out) {
+  const auto place = [&](int number, int simplex, const FixedPoint<N>& point) {
+    const int v = renumbered[static_cast<std::size_t>(number)];
+    if (v < 0) return;
+    out.locations[static_cast<std::size_t>(v)] = locate(map, simplex, point);
+    out.V[static_cast<std::size_t>(v)] = position(map, out.locations[static_cast<std::size_t>(v)]);
+  };
+  parallel_for(static_cast<std::int64_t>(map.P.size()), threads, [&](std::int64_t t) {
+    const int simplex = static_cast<int>(t);
+    points.for_each(simplex, [&](int number, const FixedPoint<N>& p) { place(number, simplex, p); });
+  });
+  for (int number = vertices.interior_count(); number < vertices.count(); ++number) {
+    place(number, vertices.place(number).simplex, vertices.place(number).point);
+  }
+}
+
+}  // namespace detail
+
+using ExtractionProgress = std::function<void(double fraction, const std::string& step)>;
+
+template <int N>
+Extraction<N> extract_cells(const GridMap<N>& map, int threads, const ExtractionProgress& progress) {
+  progress(0.0, "grid points");
+  const InteriorPoints<N> points(map, threads);
+  progress(0.1, "cells");
+  TracedCells<N> traced = trace_cells(map, points, threads);
+  progress(0.6, "vertices");
+  GridVertices<N> vertices(points);
+  number_named_corners(traced, vertices);
+  join_folded_vertices(map, points, vertices);
+  progress(0.7, "connectivity");
+  AssembledCells<N> assembled = assemble_cells(map, points, traced, vertices);
+  drop_crowding_cells(traced, vertices.count(), threads, assembled);
+  progress(0.9, "positions");
+  Extraction<N> out;
+  out.cells = std::move(assembled.cells);
+  out.lost = std::move(assembled.lost);
+  out.folded_cells = assembled.folded;
+  out.joined_vertices = vertices.joined();
+  int used = 0;
+  const std::vector<int> renumbered = detail::compact_vertices<N>(out.cells, vertices.count(), used);
+  out.V.resize(static_cast<std::size_t>(used));
+  out.locations.resize(static_cast<std::size_t>(used));
+  detail::place_vertices(map, points, vertices, renumbered, threads, out);
+  return out;
+}
+
+}  // namespace neurframe

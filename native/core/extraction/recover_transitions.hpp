@@ -1,0 +1,212 @@
+// The transition functions and integer boundary planes that a map in floating point stands for.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "core/extraction/grid_map.hpp"
+#include "core/parallel.hpp"
+
+namespace neurframe {
+
+// How far parameters may be from what an integer-grid map demands, in cells.  Written with six digits, maps
+// of a hundred cells are off by 1e-4; a hundredth of a cell is still far from any other integer.
+inline constexpr double map_tolerance = 1e-2;
+
+struct BoundaryPlane {
+  int axis = -1;  // -1: the face lies on no integer plane
+  int value = 0;  // in cells
+};
+
+// The map as the file has it: parameters in cells, per simplex and corner.
+template <int N>
+using RealParameters = std::vector<std::array<RealPoint<N>, N + 1>>;
+
+template <int N>
+struct RecoveredTransitions {
+  std::vector<FacetTransition<N>> transition;  // per facet; not exact yet
+  std::vector<char> ambiguous;          // per facet: the image of the face is too thin to tell the rotation
+  std::vector<BoundaryPlane> boundary;  // per facet, meaningful where the twin is -1
+  std::vector<int> impossible;          // interior facets that no grid symmetry carries across
+  std::vector<int> unaligned;           // boundary facets on no integer plane
+};
+
+namespace detail {
+
+template <int N>
+using FacetParameters = std::type_identity_t<std::array<RealPoint<N>, N>>;
+
+// The parameters of the corners of a facet as simplex `seen_by` has them, in the order of the facet.
+template <int N>
+FacetParameters<N> seen_from(const GridMap<N>& map, const RealParameters<N>& real, int facet, int seen_by) {
+  const std::array<int, N> vertices = facet_vertices<N>(map.S, facet);
+  const auto t = static_cast<std::size_t>(seen_by);
+  FacetParameters<N> seen{};
+  for (std::size_t k = 0; k < N; ++k)
+    seen[k] = real[t][static_cast<std::size_t>(corner_at(map.S[t], vertices[k]))];
+  return seen;
+}
+
+template <std::size_t Size>
+double largest_entry(const std::array<double, Size>& x) {
+  double largest = 0.0;
+  for (const double entry : x) largest = std::max(largest, std::abs(entry));
+  return largest;
+}
+
+// The largest |R (edge of a) - (edge of b)| over the edges from the first corner.
+template <int N>
+double rotation_residual(const Rotation<N>& R, const FacetParameters<N>& a, const FacetParameters<N>& b) {
+  double residual = 0.0;
+  for (std::size_t k = 1; k < N; ++k) {
+    residual =
+        std::max(residual, largest_entry(difference(R(difference(a[k], a[0])), difference(b[k], b[0]))));
+  }
+  return residual;
+}
+
+template <int N>
+struct TransitionChoice {
+  Rotation<N> rotation;
+  RealPoint<N> translation{};  // mean over the corners, before rounding
+  double residual = 0.0;       // of the rotation
+  bool ambiguous = false;      // other rotations fit as well
+  bool integral = false;
+};
+
+template <int N>
+void measure_translation(const FacetParameters<N>& a, const FacetParameters<N>& b,
+                         TransitionChoice<N>& choice) {
+  choice.translation = {};
+  for (std::size_t k = 0; k < N; ++k) {
+    const RealPoint<N> shift = difference(b[k], choice.rotation(a[k]));
+    for (std::size_t i = 0; i < N; ++i) choice.translation[i] += shift[i] / N;
+  }
+  choice.integral = true;
+  for (const double t : choice.translation) {
+    choice.integral =
+        choice.integral && std::abs(t - std::nearbyint(t)) <= map_tolerance && std::abs(t) < 1e9;
+  }
+}
+
+template <int N>
+TransitionChoice<N> fitted_transition(const FacetParameters<N>& a, const FacetParameters<N>& b,
+                                      Rotation<N> rotation) {
+  TransitionChoice<N> choice;
+  choice.rotation = rotation;
+  choice.residual = rotation_residual<N>(rotation, a, b);
+  measure_translation<N>(a, b, choice);
+  return choice;
+}
+
+// The grid symmetry that carries a to b best.  Of several that do (a thin facet) the first with an integer
+// translation counts, the identity before all others.
+template <int N>
+TransitionChoice<N> best_transition(const FacetParameters<N>& a, const FacetParameters<N>& b) {
+  std::array<double, Dimension<N>::rotations> residual{};
+  for (std::size_t r = 0; r < residual.size(); ++r) {
+    residual[r] = rotation_residual<N>(Rotation<N>(static_cast<int>(r)), a, b);
+  }
+  const auto best = std::min_element(residual.begin(), residual.end());
+  const double close = std::max(4.0 * *best, 1e-9);
+  const bool ambiguous =
+      std::count_if(residual.begin(), residual.end(), [&](double x) { return x <= close; }) > 1;
+  TransitionChoice<N> choice =
+      fitted_transition<N>(a, b, Rotation<N>(static_cast<int>(best - residual.begin())));
+  for (std::size_t r = 0; r < residual.size() && ambiguous; ++r) {
+    if (residual[r] > close) continue;
+    choice = fitted_transition<N>(a, b, Rotation<N>(static_cast<int>(r)));
+    if (choice.integral) break;
+  }
+  choice.ambiguous = ambiguous;
+  return choice;
+}
+
+inline RealPoint<3> real_normal(const FacetParameters<3>& x) {
+  const RealPoint<3> a = difference(x[1], x[0]);
+  const RealPoint<3> b = difference(x[2], x[0]);
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline RealPoint<2> real_normal(const FacetParameters<2>& x) {
+  return {x[1][1] - x[0][1], x[0][0] - x[1][0]};
+}
+
+// The plane u[axis] = integer that the facet lies on; of several (a thin facet) the one it faces most.
+template <int N>
+BoundaryPlane integer_plane(const FacetParameters<N>& facet) {
+  const RealPoint<N> normal = real_normal(facet);
+  BoundaryPlane plane;
+  double facing = -1.0;
+  for (std::size_t i = 0; i < N; ++i) {
+    double mean = 0.0;
+    for (const RealPoint<N>& u : facet) mean += u[i] / N;
+    const double value = std::nearbyint(mean);
+    double deviation = 0.0;
+    for (const RealPoint<N>& u : facet) deviation = std::max(deviation, std::abs(u[i] - value));
+    if (deviation > map_tolerance || std::abs(normal[i]) <= facing) continue;
+    facing = std::abs(normal[i]);
+    plane = {static_cast<int>(i), static_cast<int>(value)};
+  }
+  return plane;
+}
+
+template <int N>
+void set_transition(const GridTransition<N>& given, bool ambiguous, FacetTransition<N>& transition) {
+  transition.rotation = given.rotation;
+  transition.ambiguous = ambiguous;
+  for (std::size_t i = 0; i < N; ++i)
+    transition.translation[i] = static_cast<std::int32_t>(given.translation[i]);
+}
+
+// Sets the transition across facet h, and its inverse behind.
+template <int N>
+void set_transitions(const std::vector<int>& twin, int h, const TransitionChoice<N>& choice,
+                     std::vector<FacetTransition<N>>& transition) {
+  GridTransition<N> forward{choice.rotation, {}};
+  for (std::size_t i = 0; i < N; ++i) forward.translation[i] = std::llround(choice.translation[i]);
+  const auto here = static_cast<std::size_t>(h);
+  set_transition<N>(forward, choice.ambiguous, transition[here]);
+  set_transition<N>(forward.inverse(), choice.ambiguous, transition[static_cast<std::size_t>(twin[here])]);
+}
+
+}  // namespace detail
+
+template <int N>
+bool is_possible(const detail::TransitionChoice<N>& choice) {
+  return choice.integral && choice.residual <= map_tolerance;
+}
+
+// Transitions per facet and planes per boundary facet, with lists of what no integer-grid map can have.
+template <int N>
+RecoveredTransitions<N> recover_transitions(const GridMap<N>& map, const RealParameters<N>& real,
+                                            int threads) {
+  RecoveredTransitions<N> found;
+  found.transition.resize(map.twin.size());
+  found.boundary.resize(map.twin.size());
+  const auto facets = static_cast<std::int64_t>(map.twin.size());
+  found.impossible =
+      parallel_collect<int>(facets, threads, [&](std::int64_t begin, std::int64_t end, auto& bad) {
+        for (int h = static_cast<int>(begin); h < end; ++h) {
+          const int other = map.twin[static_cast<std::size_t>(h)];
+          if (other < h) continue;
+          const detail::TransitionChoice<N> choice = detail::best_transition<N>(
+              detail::seen_from(map, real, h, h / (N + 1)), detail::seen_from(map, real, h, other / (N + 1)));
+          if (!is_possible(choice)) bad.push_back(h);
+          if (is_possible(choice)) detail::set_transitions<N>(map.twin, h, choice, found.transition);
+        }
+      });
+  found.unaligned =
+      parallel_collect<int>(facets, threads, [&](std::int64_t begin, std::int64_t end, auto& bad) {
+        for (int h = static_cast<int>(begin); h < end; ++h) {
+          if (map.twin[static_cast<std::size_t>(h)] >= 0) continue;
+          BoundaryPlane& plane = found.boundary[static_cast<std::size_t>(h)];
+          plane = detail::integer_plane<N>(detail::seen_from(map, real, h, h / (N + 1)));
+          if (plane.axis < 0) bad.push_back(h);
+        }
+      });
+  return found;
+}
+
+}  // namespace neurframe
