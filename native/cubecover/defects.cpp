@@ -29,6 +29,33 @@ const char* name_of(Defect::Kind kind) {
   return "";
 }
 
+double defect_score(const std::vector<Defect>& defects) {
+  double score = 0;
+  for (const Defect& defect : defects) {
+    switch (defect.kind) {
+      case Defect::Kind::compound_edge:
+        score += 10;
+        break;
+      case Defect::Kind::empty_sector:
+      case Defect::Kind::overfull_sector:
+        score += 5;
+        break;
+      case Defect::Kind::turning_point:
+        score += 3;
+        break;
+      case Defect::Kind::crooked_sector:
+        score += 2;
+        break;
+      case Defect::Kind::degenerate_tet:
+        score += 1;
+        break;
+      case Defect::Kind::off_axis_edge:
+        break;  // a short jog of a line; most maps carry a few
+    }
+  }
+  return score;
+}
+
 namespace {
 
 constexpr double farthest_off_axis_deg = 54.7;  // the diagonal of the cube: beyond it another axis is nearer

@@ -22,6 +22,9 @@ struct Defect {
 
 const char* name_of(Defect::Kind kind);
 
+// How far the field is from carrying a map: 0 without defects; kinds that no solver survives weigh most.
+double defect_score(const std::vector<Defect>& defects);
+
 std::vector<Defect> field_defects(const CombedField& field);
 
 // Tets whose determinant is zero for random values of the free unknowns, in exact arithmetic: they are so for

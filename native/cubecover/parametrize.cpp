@@ -1,53 +1,51 @@
 #include "cubecover/parametrize.hpp"
 
+#include <algorithm>
 #include <ctime>
 #include <utility>
 
-#include "cubecover/alignment.hpp"
-#include "cubecover/matching.hpp"
 #include "cubecover/quantize.hpp"
-#include "cubecover/refine.hpp"
 #include "cubecover/separation.hpp"
-#include "cubecover/straighten.hpp"
 #include "cubecover/untangle.hpp"
 
 namespace neurframe {
 
 namespace {
 
-// Runs the steps, says so, and keeps their CPU seconds.
+// Runs the steps, says so, and adds up their CPU seconds.
 class Steps {
  public:
-  Steps(Parametrization& result, const ProgressCallback& progress) : result_(result), progress_(progress) {}
+  explicit Steps(const ProgressCallback& progress) : progress_(progress) {}
 
   template <class Body>
   auto run(double fraction, const std::string& name, const Body& body) {
     progress_(fraction, name);
-    const Timer timer{result_, name, std::clock()};
+    const Timer timer{times_, name, std::clock()};
     return body();
   }
 
+  const std::vector<StepTime>& times() const { return times_; }
+
  private:
   struct Timer {
-    Parametrization& result;
+    std::vector<StepTime>& times;
     std::string name;
     std::clock_t start;
-    ~Timer() { result.times.push_back({name, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC}); }
+    ~Timer() {
+      const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+      const auto found =
+          std::find_if(times.begin(), times.end(), [&](const StepTime& t) { return t.step == name; });
+      if (found != times.end()) {
+        found->cpu_seconds += seconds;
+      } else {
+        times.push_back({name, seconds});
+      }
+    }
   };
 
-  Parametrization& result_;
   const ProgressCallback& progress_;
+  std::vector<StepTime> times_;
 };
-
-FieldMesh prepare(FieldMesh mesh) {
-  separate_boundary(mesh);
-  align_boundary_layer(mesh);
-  match_faces(mesh);
-  straighten_singular_lines(mesh);
-  while (separate_critical_edges(mesh) + separate_boundary(mesh) > 0) {
-  }
-  return mesh;
-}
 
 std::vector<Eigen::Matrix3d> relative_gradients(const TetTargets& targets, const ReducedMap& map,
                                                 const Eigen::VectorXd& columns) {
@@ -59,60 +57,99 @@ std::vector<Eigen::Matrix3d> relative_gradients(const TetTargets& targets, const
   return gradients;
 }
 
-}  // namespace
+// Integers for the seamless map, and the reals that follow them with the least change of its gradients.
+Eigen::VectorXd with_integers(PreparedField& prepared, const TetTargets& targets,
+                              const Eigen::VectorXd& seamless, Parametrization& result) {
+  const ReducedMap& map = prepared.map;
+  const QuadraticEnergy energy = quadratic_energy(targets, map, relative_gradients(targets, map, seamless));
+  const std::vector<SeparationRow> rows =
+      separation_rows(prepared.field, prepared.elimination, map, evaluate(map, seamless));
+  const Quantization integers =
+      quantize(schur_complement(energy, map.real_count), seamless.tail(map.integer_count), rows);
+  result.separation_rows = static_cast<int>(rows.size());
+  result.violated_rows = integers.violated_rows;
+  Eigen::VectorXd columns = seamless;
+  columns.tail(map.integer_count) = integers.integers;
+  return minimise(energy, columns, map.real_count);
+}
 
-Parametrization parametrize(FieldMesh mesh, const ParametrizeOptions& options,
-                            const ProgressCallback& progress) {
+Parametrization solve(PreparedField prepared, const ParametrizeOptions& options, Steps& steps) {
   Parametrization result;
-  Steps steps(result, progress);
-  result.input_tets = mesh.tet_count();
-  mesh = steps.run(0.0, "split", [&] { return prepare(std::move(mesh)); });
-  result.field = steps.run(0.1, "comb", [&] { return comb_field(std::move(mesh)); });
-  const CombedField& field = result.field;
-  result.defects = field_defects(field);
-  Elimination elimination = steps.run(0.15, "eliminate", [&] { return constrain(field); });
-  const ReducedMap map = reduce(field, elimination);
-  for (Defect& defect : degenerate_tets(field, map)) result.defects.push_back(std::move(defect));
+  const ReducedMap& map = prepared.map;
+  const TetTargets targets = make_targets(prepared.field.mesh, options.cell_length);
+  const Eigen::VectorXd poisson = steps.run(0.2, "poisson", [&] {
+    const Eigen::VectorXd start = Eigen::VectorXd::Zero(map.column_count());
+    return minimise(quadratic_energy(targets, map, {}), start, map.column_count());
+  });
+  const UntangleResult seamless = steps.run(0.3, "untangle seamless map", [&] {
+    return untangle(targets, map, poisson, map.column_count(), options.threads);
+  });
+  const Eigen::VectorXd rounded =
+      steps.run(0.6, "quantize", [&] { return with_integers(prepared, targets, seamless.columns, result); });
+  const UntangleResult unfolded = steps.run(0.7, "untangle integer-grid map", [&] {
+    return untangle(targets, map, rounded, map.real_count, options.threads);
+  });
+  result.map = steps.run(0.95, "fixed-point grid", [&] { return round_to_grid(map, unfolded.columns); });
+  result.verification = steps.run(0.97, "verify", [&] { return verify(prepared.field, result.map); });
+  result.flips = {seamless.before.count, seamless.after.count, unfolded.before.count, unfolded.after.count,
+                  static_cast<int>(result.verification.folded_tets.size())};
+  result.seamless_iterations = seamless.iterations;
+  result.final_iterations = unfolded.iterations;
+  result.parametric_volume = parametric_volume(map, evaluate(map, unfolded.columns));
   result.real_unknowns = map.real_count;
   result.integer_unknowns = map.integer_count;
-  result.basis_changes = elimination.basis_changes();
-
-  const TetTargets targets = make_targets(field.mesh, options.cell_length);
-  const Eigen::VectorXd poisson = steps.run(0.2, "poisson", [&] {
-    return minimise(quadratic_energy(targets, map, {}), Eigen::VectorXd::Zero(map.column_count()),
-                    map.column_count());
-  });
-  const UntangleResult seamless = steps.run(
-      0.3, "untangle seamless map", [&] { return untangle(targets, map, poisson, map.column_count()); });
-  result.flips.poisson = seamless.before.count;
-  result.flips.seamless = seamless.after.count;
-  result.seamless_iterations = seamless.iterations;
-
-  const QuadraticEnergy around_seamless =
-      quadratic_energy(targets, map, relative_gradients(targets, map, seamless.columns));
-  Eigen::VectorXd rounded = steps.run(0.6, "quantize", [&] {
-    const std::vector<SeparationRow> rows =
-        separation_rows(field, elimination, map, evaluate(map, seamless.columns));
-    const Quantization integers = quantize(schur_complement(around_seamless, map.real_count),
-                                           seamless.columns.tail(map.integer_count), rows);
-    result.separation_rows = static_cast<int>(rows.size());
-    result.violated_rows = integers.violated_rows;
-    Eigen::VectorXd columns = seamless.columns;
-    columns.tail(map.integer_count) = integers.integers;
-    return minimise(around_seamless, columns, map.real_count);
-  });
-  const UntangleResult final_map = steps.run(0.7, "untangle integer-grid map",
-                                             [&] { return untangle(targets, map, rounded, map.real_count); });
-  result.flips.rounded = final_map.before.count;
-  result.flips.untangled = final_map.after.count;
-  result.final_iterations = final_map.iterations;
-
-  result.map =
-      steps.run(0.95, "round to the fixed-point grid", [&] { return round_to_grid(map, final_map.columns); });
-  result.verification = steps.run(0.97, "verify", [&] { return verify(field, result.map); });
-  result.flips.exact = static_cast<int>(result.verification.folded_tets.size());
-  result.parametric_volume = parametric_volume(map, evaluate(map, final_map.columns));
+  result.basis_changes = prepared.elimination.basis_changes();
+  result.preparation = prepared.preparation;
+  result.defects = std::move(prepared.defects);
+  result.field = std::move(prepared.field);
   return result;
+}
+
+std::vector<int> failed_tets(const Parametrization& result) {
+  std::vector<int> tets = result.verification.folded_tets;
+  for (const Verification::WoundEdge& wound : result.verification.wound_edges) {
+    for (const int h : result.field.rings.ring(static_cast<std::size_t>(wound.ring))) tets.push_back(h / 4);
+  }
+  std::sort(tets.begin(), tets.end());
+  tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+  return tets;
+}
+
+std::size_t failure_count(const Parametrization& result) {
+  const Verification& found = result.verification;
+  return found.folded_tets.size() + found.wound_edges.size() + found.open_seams.size() +
+         found.unaligned_faces.size();
+}
+
+// With more of the mesh wrong than this, the field is at fault and refining is in vain.
+constexpr double hopeless_share = 0.02;
+
+}  // namespace
+
+Parametrization parametrize(const FieldMesh& mesh, const ParametrizeOptions& options,
+                            const ProgressCallback& progress) {
+  Steps steps(progress);
+  PreparedField prepared = steps.run(0.0, "prepare", [&] { return best_preparation(mesh); });
+  const std::vector<PreparationScore> judged = prepared.judged;
+  Parametrization best = solve(std::move(prepared), options, steps);
+  int tries = 1;
+  for (; tries <= options.retries && !best.verification.valid(); ++tries) {
+    const std::vector<int> failed = failed_tets(best);
+    if (static_cast<double>(failed.size()) > hopeless_share * best.field.mesh.tet_count()) break;
+    PreparedField refined = steps.run(0.1, "prepare", [&] {
+      return prepare(refined_around(best.field.mesh, failed),
+                     {0, best.preparation.smoothing_sweeps, best.preparation.straighten});
+    });
+    Parametrization next = solve(std::move(refined), options, steps);
+    next.preparation = best.preparation;
+    if (failure_count(next) >= failure_count(best)) break;
+    best = std::move(next);
+  }
+  best.input_tets = mesh.tet_count();
+  best.tries = tries;
+  best.preparations_judged = judged;
+  best.times = steps.times();
+  return best;
 }
 
 }  // namespace neurframe

@@ -4,19 +4,20 @@
 #include <functional>
 #include <string>
 
-#include "cubecover/defects.hpp"
 #include "cubecover/exact_map.hpp"
-#include "cubecover/targets.hpp"
+#include "cubecover/preparation.hpp"
 
 namespace neurframe {
 
 struct ParametrizeOptions {
   double cell_length = 0;  // target edge length of the hexes, in units of the mesh
+  int retries = 2;         // more tries, on a mesh that is refined where the map is not valid
+  int threads = 1;         // for the energies; the result does not depend on it
 };
 
 struct StepTime {
   std::string step;
-  double cpu_seconds;
+  double cpu_seconds;  // of all tries together
 };
 
 struct FlipCounts {  // tets without positive determinant after each step
@@ -30,10 +31,13 @@ struct FlipCounts {  // tets without positive determinant after each step
 struct Parametrization {
   CombedField field;
   std::vector<Defect> defects;
+  Preparation preparation;
+  std::vector<PreparationScore> preparations_judged;
   ExactMap map;
   Verification verification;
   FlipCounts flips;
   int input_tets = 0;
+  int tries = 0;
   int real_unknowns = 0;
   int integer_unknowns = 0;
   int basis_changes = 0;
@@ -47,7 +51,8 @@ struct Parametrization {
 
 using ProgressCallback = std::function<void(double fraction, const std::string& step)>;
 
-Parametrization parametrize(FieldMesh mesh, const ParametrizeOptions& options,
+// The best of the tries: the first valid map, or the one with the fewest folded tets and wrongly wound edges.
+Parametrization parametrize(const FieldMesh& mesh, const ParametrizeOptions& options,
                             const ProgressCallback& progress);
 
 }  // namespace neurframe

@@ -71,6 +71,20 @@ Json describe_verification(const CombedField& field, const Verification& verific
   return entry;
 }
 
+Json describe_preparations(const std::vector<PreparationScore>& judged) {
+  Json::Array entries;
+  for (const PreparationScore& score : judged) {
+    Json entry;
+    entry["longest_edge"] = score.preparation.longest_edge;
+    entry["smoothing_sweeps"] = score.preparation.smoothing_sweeps;
+    entry["straightened"] = score.preparation.straighten;
+    entry["tets"] = score.tets;
+    entry["defect_score"] = score.defect_score;
+    entries.push_back(std::move(entry));
+  }
+  return Json(entries);
+}
+
 }  // namespace
 
 void describe(const Parametrization& result, Json& statistics) {
@@ -80,6 +94,8 @@ void describe(const Parametrization& result, Json& statistics) {
   statistics["valid"] = result.verification.valid();
   statistics["input_tets"] = result.input_tets;
   statistics["tets"] = field.mesh.tet_count();
+  statistics["tries"] = result.tries;
+  statistics["preparations_judged"] = describe_preparations(result.preparations_judged);
   statistics["feature_edges"] = field.mesh.features.size();
   statistics["singular_edges"] = field.singular.edges.size();
   statistics["singular_arcs"] = describe_arcs(field);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/parallel.hpp"
 #include "cubecover/barrier_energy.hpp"
 #include "cubecover/stencils.hpp"
 
@@ -13,19 +14,10 @@ namespace {
 constexpr double first_epsilon = 0.2;  // 1 let whole maps shrink to a point where nothing fixes their size
 constexpr double least_epsilon = 1e-9;
 constexpr int most_iterations = 100;
-constexpr int patience = 10;      // iterations without fewer folded tets
+constexpr int patience = 10;      // iterations without a tenth fewer folded tets
 constexpr double settled = 1e-3;  // relative decrease of the energy at which an unfolded map is done
 constexpr double direction_tolerance = 1e-3;
-
-double energy(const TetTargets& targets, const ReducedMap& map, const Eigen::VectorXd& columns,
-              double epsilon) {
-  const Eigen::VectorXd rows = evaluate(map, columns);
-  double sum = 0;
-  for (int t = 0; t < static_cast<int>(targets.weight.size()); ++t) {
-    sum += at(targets.weight, t) * barrier_value(relative_gradient(targets, map, rows, t), epsilon);
-  }
-  return sum;
-}
+constexpr int block_size = 8192;  // tets whose derivatives are held at once, 10 MB
 
 // S = U B, entry (i, k) = sum over corners c of U(i, c) B(c, k); vec is column by column.
 Eigen::Matrix<double, 9, 12> gradient_operator(const Eigen::Matrix<double, 4, 3>& relative) {
@@ -38,30 +30,6 @@ Eigen::Matrix<double, 9, 12> gradient_operator(const Eigen::Matrix<double, 4, 3>
   return by_parameters;
 }
 
-void assemble(const TetTargets& targets, const ReducedMap& map, const Eigen::VectorXd& columns,
-              double epsilon, Stencils& stencils) {
-  const Eigen::VectorXd rows = evaluate(map, columns);
-  stencils.clear();
-  for (int t = 0; t < static_cast<int>(targets.weight.size()); ++t) {
-    const BarrierTerm term = barrier_term(relative_gradient(targets, map, rows, t), epsilon);
-    const Eigen::Matrix<double, 9, 12> operator_t = gradient_operator(at(targets.relative, t));
-    const Eigen::Map<const Eigen::Matrix<double, 9, 1>> gradient(term.gradient.data());
-    const double weight = at(targets.weight, t);
-    stencils.add(t, weight * operator_t.transpose() * gradient,
-                 weight * operator_t.transpose() * term.hessian * operator_t);
-  }
-}
-
-// Halves the step until the energy falls; 0 when no step does.
-double line_search(const TetTargets& targets, const ReducedMap& map, const Eigen::VectorXd& columns,
-                   const Eigen::VectorXd& direction, double slope, double epsilon, double start_energy) {
-  for (double step = 1; step > 1e-8; step /= 2) {
-    const double value = energy(targets, map, columns + step * direction, epsilon);
-    if (std::isfinite(value) && value <= start_energy + 1e-4 * step * slope) return step;
-  }
-  return 0;
-}
-
 // Garanzha et al. 2021, section 4: epsilon falls faster the more the energy fell.
 double next_epsilon(double epsilon, double energy_ratio, double smallest_determinant) {
   const double sigma = std::max(0.1, 1 - energy_ratio);
@@ -70,33 +38,118 @@ double next_epsilon(double epsilon, double energy_ratio, double smallest_determi
   return std::max(least_epsilon, (1 - sigma * root / (std::abs(smallest_determinant) + root)) * epsilon);
 }
 
+class Untangler {
+ public:
+  Untangler(const TetTargets& targets, const ReducedMap& map, int active, int threads)
+      : targets_(targets), map_(map), active_(active), threads_(threads), stencils_(map, active) {}
+
+  UntangleResult run(const Eigen::VectorXd& start) {
+    UntangleResult result{start, foldover(start), {}, 0};
+    result.after = result.before;
+    Eigen::VectorXd columns = start;
+    double epsilon = first_epsilon;
+    int fewest = result.before.count;
+    for (int waited = 0; result.iterations < most_iterations && waited < patience;) {
+      const double ratio = newton_step(columns, epsilon);
+      ++result.iterations;
+      const Foldover now = foldover(columns);
+      if (now.count <= result.after.count) {
+        result.after = now;
+        result.columns = columns;
+      }
+      if (now.count == 0 && ratio > 1 - settled) break;
+      epsilon = next_epsilon(epsilon, ratio, now.smallest);
+      const bool progressed = now.count == 0 || now.count <= 0.9 * fewest;
+      waited = progressed ? 0 : waited + 1;
+      if (progressed) fewest = now.count;
+    }
+    return result;
+  }
+
+ private:
+  int tet_count() const { return static_cast<int>(targets_.weight.size()); }
+
+  Foldover foldover(const Eigen::VectorXd& columns) const {
+    return measure_foldover(targets_, map_, evaluate(map_, columns));
+  }
+
+  // Summed by chunks, so that the value does not depend on the number of threads.
+  double energy(const Eigen::VectorXd& columns, double epsilon) const {
+    const Eigen::VectorXd rows = evaluate(map_, columns);
+    std::vector<double> sums(static_cast<std::size_t>(chunk_count(tet_count())), 0);
+    parallel_chunks(tet_count(), threads_, [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
+      for (int t = static_cast<int>(begin); t < end; ++t) {
+        sums[static_cast<std::size_t>(chunk)] +=
+            at(targets_.weight, t) * barrier_value(relative_gradient(targets_, map_, rows, t), epsilon);
+      }
+    });
+    double sum = 0;
+    for (const double part : sums) sum += part;
+    return sum;
+  }
+
+  struct TetDerivatives {
+    TetGradient gradient;
+    TetHessian hessian;
+  };
+
+  TetDerivatives derivatives(const Eigen::VectorXd& rows, int tet, double epsilon) const {
+    const BarrierTerm term = barrier_term(relative_gradient(targets_, map_, rows, tet), epsilon);
+    const Eigen::Matrix<double, 9, 12> by_parameters = gradient_operator(at(targets_.relative, tet));
+    const Eigen::Map<const Eigen::Matrix<double, 9, 1>> gradient(term.gradient.data());
+    const double weight = at(targets_.weight, tet);
+    return {weight * by_parameters.transpose() * gradient,
+            weight * by_parameters.transpose() * term.hessian * by_parameters};
+  }
+
+  void assemble(const Eigen::VectorXd& columns, double epsilon) {
+    const Eigen::VectorXd rows = evaluate(map_, columns);
+    stencils_.clear();
+    std::vector<TetDerivatives> block;
+    for (int first = 0; first < tet_count(); first += block_size) {
+      const int count = std::min(block_size, tet_count() - first);
+      block.resize(static_cast<std::size_t>(count));
+      parallel_for(count, threads_, [&](std::int64_t i) {
+        block[static_cast<std::size_t>(i)] = derivatives(rows, first + static_cast<int>(i), epsilon);
+      });
+      for (int i = 0; i < count; ++i) stencils_.add(first + i, at(block, i).gradient, at(block, i).hessian);
+    }
+  }
+
+  // One step; returns the new energy over the old one.
+  double newton_step(Eigen::VectorXd& columns, double epsilon) {
+    assemble(columns, epsilon);
+    const double start = energy(columns, epsilon);
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(columns.size());
+    direction.head(active_) = solve_loosely(stencils_.hessian(), -stencils_.gradient(), direction_tolerance);
+    const double slope = direction.head(active_).dot(stencils_.gradient());
+    // halved until the energy falls enough (Armijo)
+    for (double step = 1; step > 1e-8; step /= 2) {
+      const Eigen::VectorXd moved = columns + step * direction;
+      const double value = energy(moved, epsilon);
+      if (!std::isfinite(value) || value > start + 1e-4 * step * slope) continue;
+      columns = moved;
+      return value / start;
+    }
+    return 1;
+  }
+
+  const TetTargets& targets_;
+  const ReducedMap& map_;
+  int active_;
+  int threads_;
+  Stencils stencils_;
+};
+
 }  // namespace
 
 UntangleResult untangle(const TetTargets& targets, const ReducedMap& map, const Eigen::VectorXd& columns,
-                        int active) {
-  UntangleResult result{columns, measure_foldover(targets, map, evaluate(map, columns)), {}, 0};
-  result.after = result.before;
-  if (active == 0) return result;
-  Stencils stencils(map, active);
-  double epsilon = first_epsilon;
-  int fewest = result.before.count;
-  int since_fewest = 0;
-  for (; result.iterations < most_iterations && since_fewest < patience; ++result.iterations) {
-    assemble(targets, map, result.columns, epsilon, stencils);
-    const double start = energy(targets, map, result.columns, epsilon);
-    Eigen::VectorXd direction = Eigen::VectorXd::Zero(columns.size());
-    direction.head(active) = solve_loosely(stencils.hessian(), -stencils.gradient(), direction_tolerance);
-    const double slope = direction.head(active).dot(stencils.gradient());
-    const double step = line_search(targets, map, result.columns, direction, slope, epsilon, start);
-    result.columns += step * direction;
-    const double ratio = energy(targets, map, result.columns, epsilon) / start;
-    result.after = measure_foldover(targets, map, evaluate(map, result.columns));
-    if (result.after.count == 0 && ratio > 1 - settled) break;
-    epsilon = next_epsilon(epsilon, ratio, result.after.smallest);
-    since_fewest = result.after.count < fewest || result.after.count == 0 ? 0 : since_fewest + 1;
-    fewest = std::min(fewest, result.after.count);
+                        int active, int threads) {
+  if (active == 0) {
+    const Foldover foldover = measure_foldover(targets, map, evaluate(map, columns));
+    return {columns, foldover, foldover, 0};
   }
-  return result;
+  return Untangler(targets, map, active, threads).run(columns);
 }
 
 }  // namespace neurframe

@@ -9,7 +9,7 @@ namespace neurframe {
 namespace {
 
 Parametrization map_of(const FieldMesh& mesh, double cell_length) {
-  return parametrize(mesh, {cell_length}, [](double, const std::string&) {});
+  return parametrize(mesh, {cell_length, 0, 1}, [](double, const std::string&) {});
 }
 
 void check_valid_with_volume(const Parametrization& result, double hexes) {

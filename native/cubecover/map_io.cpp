@@ -1,6 +1,6 @@
-#include "cubecover/features_io.hpp"
+#include "cubecover/map_io.hpp"
 
-#include <string_view>
+#include <utility>
 
 #include "core/text_reader.hpp"
 
@@ -27,6 +27,20 @@ std::string json_pairs(const std::string& path, const std::string& text) {
 
 }  // namespace
 
+FieldMesh to_field_mesh(const TetMesh& tets, const std::vector<Frame>& frames,
+                        std::vector<EdgeKey> features) {
+  std::vector<Eigen::Vector3d> points;
+  for (const Point3& p : tets.V) points.emplace_back(p[0], p[1], p[2]);
+  std::vector<Eigen::Matrix3d> matrices(frames.size());
+  for (std::size_t t = 0; t < frames.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const Point3& axis = at(frames[t], k);
+      matrices[t].col(k) = Eigen::Vector3d(axis[0], axis[1], axis[2]);
+    }
+  }
+  return make_field_mesh(std::move(points), tets.T, std::move(matrices), std::move(features));
+}
+
 std::vector<EdgeKey> read_features(const std::string& path, int vertices) {
   std::string text = read_file(path);
   const bool json = text.find_first_not_of(" \t\r\n") != std::string::npos &&
@@ -39,6 +53,21 @@ std::vector<EdgeKey> read_features(const std::string& path, int vertices) {
     edges.push_back(edge_key(first, second));
   }
   return edges;
+}
+
+HexMap to_hex_map(const FieldMesh& mesh, const ExactMap& exact) {
+  HexMap map;
+  for (const Eigen::Vector3d& point : mesh.points) map.mesh.V.push_back({point.x(), point.y(), point.z()});
+  map.mesh.T = mesh.tets;
+  for (const auto& corners : exact.parameters) {
+    auto& parameters = map.parameters.emplace_back();
+    for (int corner = 0; corner < 4; ++corner) {
+      for (int axis = 0; axis < 3; ++axis) {
+        at(at(parameters, corner), axis) = from_fixed(at(at(corners, corner), axis), exact.fraction_bits);
+      }
+    }
+  }
+  return map;
 }
 
 }  // namespace neurframe
