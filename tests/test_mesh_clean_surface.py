@@ -104,6 +104,30 @@ def test_a_missing_triangle_does_no_harm_even_inside_out() -> None:
     assert "3 edges" in warning
 
 
+def test_a_patch_between_nonmanifold_edges_is_not_turned_on_its_own() -> None:
+    """A tube of square section, 1 inside and 3 outside, with lids on its bore: its inner wall is a patch that faces
+    the axis, and rightly so (the case of thingi10k 68251, whose walls were turned)."""
+    inner, outer = (
+        np.array([[1, 1], [2, 1], [2, 2], [1, 2.0]]),
+        np.array([[0, 0], [3, 0], [3, 3], [0, 3.0]]),
+    )
+    V = np.concatenate(
+        [np.column_stack([ring, np.full(4, z)]) for z in (0.0, 1.0) for ring in (outer, inner)]
+    )
+    quads = [
+        [12, 13, 14, 15]
+    ]  # the upper lid; corners 0-3 lie outside below, 4-7 inside below, 8-15 the same above
+    for a in range(4):
+        b = (a + 1) % 4
+        quads += [[a, b, 8 + b, 8 + a], [4 + b, 4 + a, 12 + a, 12 + b]]  # outer wall, bore
+        quads += [[8 + a, 8 + b, 12 + b, 12 + a], [b, a, 4 + a, 4 + b]]  # top, bottom
+    Q = np.array(quads)
+    clean, report = clean_surface(as_surface(V, np.concatenate([Q[:, [0, 1, 2]], Q[:, [0, 2, 3]]])))
+    assert report.nonmanifold_edges == 8
+    assert report.turned == 0
+    assert len(clean.F) == 2 * len(Q)
+
+
 def test_a_sheet_is_no_solid() -> None:
     sheet = mesh(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.1]]), [[0, 1, 2], [1, 3, 2]])
     with pytest.raises(InvalidMesh, match="open"):

@@ -24,7 +24,7 @@ def orient(V: Floats, F: Ints) -> Ints:
     A patch is what is connected over edges with two triangles.  Where the file's own orientation has no
     contradiction it is kept, as only it can tell a cavity from a solid, unless a shell that lies in no other shell
     is inside out: that one is turned, with nothing else.  So is a patch with holes that encloses a volume all the
-    same, measured from the middle of its border.
+    same, measured from the middle of its border, if it hangs together with no other.
     """
     import igl
 
@@ -46,7 +46,10 @@ def _inside_out(V: Floats, F: Ints, patch: Ints) -> Bools:
     """(p,) which patches have a negative volume, and are not closed and inside another closed patch."""
     count = int(patch.max()) + 1
     closed = _closed(F, patch, count)
-    volumes = np.array([_volume(V, F[patch == i], bool(closed[i])) for i in range(count)])
+    alone = ~_joined(F, patch, count)
+    volumes = np.array(
+        [_volume(V, F[patch == i], bool(closed[i])) if closed[i] or alone[i] else 0.0 for i in range(count)]
+    )
     inward = volumes < 0
     solids = [i for i in range(count) if volumes[i] > 0 and closed[i]]
     for i in np.flatnonzero(inward & closed):
@@ -66,6 +69,16 @@ def _volume(V: Floats, F: Ints, is_closed: bool) -> float:
     volume = float(np.einsum("ij,ij->", cones, V[F[:, 0]] - middle) / 6)
     ball = (np.linalg.norm(cones, axis=1).sum() / 2) ** 1.5 / (6 * np.sqrt(np.pi))
     return volume if abs(volume) > LEAST_OF_BALL * ball else 0.0
+
+
+def _joined(F: Ints, patch: Ints, count: int) -> Bools:
+    """(p,) which patches share an edge with another: only together they bound something."""
+    edges, edge_of = np.unique(np.sort(directed_edges(F), axis=1), axis=0, return_inverse=True)
+    incidence = np.unique(np.column_stack([edge_of.reshape(-1), np.repeat(patch, 3)]), axis=0)
+    shared = np.bincount(incidence[:, 0], minlength=len(edges)) > 1
+    joined = np.zeros(count, np.bool_)
+    joined[incidence[shared[incidence[:, 0]], 1]] = True
+    return joined
 
 
 def _closed(F: Ints, patch: Ints, count: int) -> Bools:
