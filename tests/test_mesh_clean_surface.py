@@ -114,9 +114,8 @@ def test_a_patch_between_nonmanifold_edges_is_not_turned_on_its_own() -> None:
     V = np.concatenate(
         [np.column_stack([ring, np.full(4, z)]) for z in (0.0, 1.0) for ring in (outer, inner)]
     )
-    quads = [
-        [12, 13, 14, 15]
-    ]  # the upper lid; corners 0-3 lie outside below, 4-7 inside below, 8-15 the same above
+    # the lids; corners 0-3 lie outside below, 4-7 inside below, 8-15 the same above
+    quads = [[12, 13, 14, 15], [4, 7, 6, 5]]
     for a in range(4):
         b = (a + 1) % 4
         quads += [[a, b, 8 + b, 8 + a], [4 + b, 4 + a, 12 + a, 12 + b]]  # outer wall, bore
