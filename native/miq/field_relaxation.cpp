@@ -33,7 +33,21 @@ std::vector<int> number_free(const CrossSurface& surface, const std::vector<int>
   return number;
 }
 
+double dual_weight(const CrossSurface& surface, int h) {
+  return 1.5 * surface.along(h).squaredNorm() / (surface.area(h / 3) + surface.area(surface.twin(h) / 3));
+}
+
 }  // namespace
+
+double rotation_energy(const CrossSurface& surface) {
+  double total = 0;
+  for (int h = 0; h < surface.half_edge_count(); ++h) {
+    if (surface.twin(h) < h || surface.is_feature(h)) continue;
+    const double residual = rotation_residual(surface, h);
+    total += dual_weight(surface, h) * residual * residual;
+  }
+  return total;
+}
 
 void relax_field(CrossSurface& surface, const std::vector<int>& vertices, double radius) {
   int count = 0;
@@ -51,7 +65,7 @@ void relax_field(CrossSurface& surface, const std::vector<int>& vertices, double
     const int i = number[static_cast<size_t>(h / 3)];
     if (o < 0 || i < 0 || surface.is_feature(h)) continue;
     const int j = number[static_cast<size_t>(o / 3)];
-    const double weight = 3 * surface.along(h).squaredNorm() / (surface.area(h / 3) + surface.area(o / 3));
+    const double weight = dual_weight(surface, h);
     // turning both by d changes the residual from this triangle to the other by d_this - d_other
     triplets.emplace_back(i, i, weight);
     if (j >= 0) triplets.emplace_back(i, j, -weight);

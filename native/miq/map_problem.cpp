@@ -68,6 +68,8 @@ std::vector<Sector> mend_field(CrossSurface& surface, const PreparationOptions& 
   statistics["repairing_shifts"] = repaired.size() / 2;
   shifted.insert(shifted.end(), repaired.begin(), repaired.end());
   relax_field(surface, shifted, 2 * reach);
+  statistics["costly_dipoles_cancelled"] =
+      cancel_costly_dipoles(surface, sectors, options.costly_dipole_reach * edge_length);
   statistics["singularities"] = singularity_histogram(sectors);
   return sectors;
 }

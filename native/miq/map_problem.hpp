@@ -24,9 +24,10 @@ struct MapProblem {
 };
 
 struct PreparationOptions {
-  double longest_edge = 3;  // triangles with longer edges (in target edge lengths) are split
-  double dipole_reach = 3;  // target edge lengths up to which opposite singularities cancel
-  int closed_minimum = 3;   // least quarter turns around an interior vertex
+  double longest_edge = 3;          // triangles with longer edges (in target edge lengths) are split
+  double dipole_reach = 3;          // target edge lengths up to which opposite singularities cancel
+  double costly_dipole_reach = 15;  // and up to which they do if the crosses become smoother by it
+  int closed_minimum = 3;           // least quarter turns around an interior vertex
   FeatureOptions features;
 };
 

@@ -41,9 +41,17 @@ std::vector<int> repair_sectors(CrossSurface& surface, std::vector<Sector>& sect
 // features, nearest first.  Returns the vertices at both ends of all shifted edges.
 std::vector<int> cancel_dipoles(CrossSurface& surface, std::vector<Sector>& sectors, double reach);
 
+// The same for pairs up to `reach` apart, but only where the crosses become smoother by it: the pair is
+// cancelled, the field around relaxed, and both undone unless the Dirichlet energy of the residual rotations
+// has fallen. Returns the number of pairs cancelled.
+int cancel_costly_dipoles(CrossSurface& surface, std::vector<Sector>& sectors, double reach);
+
 // Smooths the crosses, with all matchings kept, in the triangles within `radius` of the given vertices; those
 // beside features are held.  Least squares of the residual rotations (Bommes et al. 2009, equation 3,
 // integers fixed).
 void relax_field(CrossSurface& surface, const std::vector<int>& vertices, double radius);
+
+// sum over edges off the features of (edge length / dual edge length) * residual rotation^2
+double rotation_energy(const CrossSurface& surface);
 
 }  // namespace neurframe

@@ -171,32 +171,77 @@ bool nearest_partner(const CrossSurface& surface, const std::vector<Sector>& sec
 
 }  // namespace
 
-std::vector<int> cancel_dipoles(CrossSurface& surface, std::vector<Sector>& sectors, double reach) {
-  std::vector<int> closed_sector(surface.positions.size(), -1);
+namespace {
+
+std::vector<int> closed_sectors(const CrossSurface& surface, const std::vector<Sector>& sectors) {
+  std::vector<int> closed(surface.positions.size(), -1);
   for (size_t s = 0; s < sectors.size(); ++s) {
-    if (sectors[s].closed) closed_sector[static_cast<size_t>(sectors[s].vertex)] = static_cast<int>(s);
+    if (sectors[s].closed) closed[static_cast<size_t>(sectors[s].vertex)] = static_cast<int>(s);
   }
+  return closed;
+}
+
+// for each sector that lacks quarter turns its nearest partner, nearest pairs first
+std::vector<Dipole> find_dipoles(const CrossSurface& surface, const std::vector<Sector>& sectors,
+                                 const std::vector<int>& closed, double reach) {
+  std::vector<Dipole> dipoles;
+  for (size_t s = 0; s < sectors.size(); ++s) {
+    Dipole dipole;
+    if (!sectors[s].closed || sectors[s].quarter_turns >= 4) continue;
+    if (nearest_partner(surface, sectors, closed, static_cast<int>(s), reach, dipole)) {
+      dipoles.push_back(std::move(dipole));
+    }
+  }
+  std::sort(dipoles.begin(), dipoles.end());
+  return dipoles;
+}
+
+// false if an earlier pair has used up one of the two
+bool cancel(CrossSurface& surface, std::vector<Sector>& sectors, const Dipole& dipole,
+            std::vector<int>& shifted) {
+  Sector& gaining = sectors[static_cast<size_t>(dipole.gaining)];
+  Sector& losing = sectors[static_cast<size_t>(dipole.losing)];
+  if (gaining.quarter_turns >= 4 || losing.quarter_turns <= 4) return false;
+  shift_along(surface, dipole.path, shifted);
+  ++gaining.quarter_turns;
+  --losing.quarter_turns;
+  return true;
+}
+
+}  // namespace
+
+std::vector<int> cancel_dipoles(CrossSurface& surface, std::vector<Sector>& sectors, double reach) {
+  const std::vector<int> closed = closed_sectors(surface, sectors);
   std::vector<int> shifted;
   while (true) {
-    std::vector<Dipole> dipoles;
-    for (size_t s = 0; s < sectors.size(); ++s) {
-      Dipole dipole;
-      if (!sectors[s].closed || sectors[s].quarter_turns >= 4) continue;
-      if (nearest_partner(surface, sectors, closed_sector, static_cast<int>(s), reach, dipole)) {
-        dipoles.push_back(std::move(dipole));
-      }
-    }
+    const std::vector<Dipole> dipoles = find_dipoles(surface, sectors, closed, reach);
     if (dipoles.empty()) return shifted;
-    std::sort(dipoles.begin(), dipoles.end());
-    for (const Dipole& dipole : dipoles) {
-      Sector& gaining = sectors[static_cast<size_t>(dipole.gaining)];
-      Sector& losing = sectors[static_cast<size_t>(dipole.losing)];
-      if (gaining.quarter_turns >= 4 || losing.quarter_turns <= 4) continue;
-      shift_along(surface, dipole.path, shifted);
-      ++gaining.quarter_turns;
-      --losing.quarter_turns;
-    }
+    for (const Dipole& dipole : dipoles) cancel(surface, sectors, dipole, shifted);
   }
+}
+
+int cancel_costly_dipoles(CrossSurface& surface, std::vector<Sector>& sectors, double reach) {
+  const std::vector<int> closed = closed_sectors(surface, sectors);
+  int cancelled = 0;
+  double energy = rotation_energy(surface);
+  for (const Dipole& dipole : find_dipoles(surface, sectors, closed, reach)) {
+    const std::vector<int> matching = surface.matching;
+    const std::vector<Eigen::Vector3d> axis = surface.axis;
+    std::vector<int> shifted;
+    if (!cancel(surface, sectors, dipole, shifted)) continue;
+    relax_field(surface, shifted, 1.5 * dipole.distance);
+    const double after = rotation_energy(surface);
+    if (after < energy) {
+      energy = after;
+      ++cancelled;
+      continue;
+    }
+    surface.matching = matching;
+    surface.axis = axis;
+    --sectors[static_cast<size_t>(dipole.gaining)].quarter_turns;
+    ++sectors[static_cast<size_t>(dipole.losing)].quarter_turns;
+  }
+  return cancelled;
 }
 
 }  // namespace neurframe
