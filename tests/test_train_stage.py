@@ -162,6 +162,16 @@ def test_meshes_without_tets_or_with_a_face_of_three_are_refused():
         train(as_tets(BENT.V, [[0, 1, 2, 3], [0, 1, 2, 4], [0, 1, 2, 5]]), Features())
 
 
+def test_a_single_tet_and_a_mesh_that_nothing_aligns_have_a_field():
+    tet = as_tets([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]])
+    q = train(tet, Features(), TrainOptions(method="discrete", threads=1)).field.query(tet.V)
+    np.testing.assert_allclose(np.linalg.norm(q, axis=1), 1.0)
+    free = TrainOptions(method="discrete", lambda_boundary=0.0, threads=1)
+    report = train(BENT, Features(), free).report
+    assert report["losses"]["total"] == 0.0
+    assert report["singular_edges"] == 0
+
+
 @pytest.mark.slow
 def test_the_fast_preset_closes_the_gap_to_the_discrete_floor():
     report = train(box_mesh(8, bend=1.2), Features(), TrainOptions(threads=1)).report

@@ -10,13 +10,14 @@ from neurframe_cli.field.energy import Alignment, FieldEnergy
 def block_jacobi(energy: FieldEnergy, shift: float = 0.0) -> torch.Tensor:
     """Inverses (m,9,9) of the diagonal blocks of A + shift I.
 
-    A block of a tet without neighbours is singular; a relative shift of 1e-9 keeps it invertible and is far
-    below what a preconditioner needs.
+    A block of a tet without neighbours is singular; a shift of 1e-9 of the largest entry keeps it invertible and is
+    far below what a preconditioner needs.
     """
-    degree = energy.degree + shift + 1e-9 * energy.degree.max()
-    blocks = torch.diag_embed(degree[:, None].expand(-1, 9)).contiguous()
+    blocks = torch.diag_embed((energy.degree + shift)[:, None].expand(-1, 9)).contiguous()
     for alignment in (energy.boundary, energy.feature):
         _add_outer_products(blocks, alignment)
+    diagonals = blocks.diagonal(dim1=1, dim2=2)
+    diagonals += 1e-9 * diagonals.max().clamp_min(1e-30)
     return torch.inverse(blocks)
 
 

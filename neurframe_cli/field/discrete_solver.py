@@ -15,6 +15,7 @@ import torch
 from neurframe_cli.field.coarsening import coarsen
 from neurframe_cli.field.energy import field_energy
 from neurframe_cli.field.energy_terms import EnergyTerms
+from neurframe_cli.field.frames import frame_to_band4
 from neurframe_cli.field.relaxed_solver import solve_relaxed
 from neurframe_cli.field.sphere_lbfgs import minimize_on_spheres, unit_rows
 from neurframe_cli.mesh.arrays import Floats, Ints, Progress, silent
@@ -37,7 +38,7 @@ def solve_discrete(terms: EnergyTerms, *, device: str = "cpu", progress: Progres
     """Coarse to fine: relaxed on the coarsest level, L-BFGS on every level.  Deterministic on the CPU."""
     levels, clusters = _levels(terms)
     energy = field_energy(levels[-1], device=device)
-    minimum = minimize_on_spheres(energy, unit_rows(solve_relaxed(energy)))
+    minimum = minimize_on_spheres(energy, _normalized(solve_relaxed(energy)))
     for level in reversed(range(len(clusters))):
         progress(1.0 / (level + 2), f"solving on {len(levels[level].points)} tets")
         start = minimum.q[torch.as_tensor(clusters[level], device=device)]
@@ -45,6 +46,13 @@ def solve_discrete(terms: EnergyTerms, *, device: str = "cpu", progress: Progres
     progress(1.0, f"energy {minimum.value:.5f}")
     q = np.ascontiguousarray(minimum.q.cpu().numpy())
     return DiscreteField(q, minimum.value, minimum.iterations, minimum.products)
+
+
+def _normalized(x: torch.Tensor) -> torch.Tensor:
+    """Unit rows; tets that nothing speaks to (no boundary, no feature in their component) get the axes as frame."""
+    q = unit_rows(x)
+    q[x.norm(dim=1) < 1e-12] = torch.as_tensor(frame_to_band4(np.eye(3)), device=x.device)
+    return q
 
 
 def _levels(terms: EnergyTerms) -> tuple[list[EnergyTerms], list[Ints]]:
