@@ -7,7 +7,8 @@ BIN := $(VENV)/bin
 NATIVE_BUILD := build/native
 SOURCES := $(shell find neurframe_cli native -type f -not -path '*/__pycache__/*') pyproject.toml README.md LICENSE
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
-JOBS ?= 2
+JOBS ?= $(shell nproc)
+export CMAKE_BUILD_PARALLEL_LEVEL ?= $(JOBS)
 
 .PHONY: install demo test lint types pytest ctest format samples clean
 
@@ -24,10 +25,15 @@ $(VENV)/.package: $(VENV)/.dependencies $(SOURCES)
 	$(PIP) install --no-deps --force-reinstall .
 	touch $@
 
+# the same build folder with the unit tests of the executables, and with warnings as errors
+$(VENV)/.package-with-tests: $(VENV)/.dependencies $(SOURCES)
+	$(PIP) install --no-deps --force-reinstall -C cmake.define.NEURFRAME_TESTS=ON -C cmake.define.NEURFRAME_STRICT=ON .
+	touch $@ $(VENV)/.package
+
 demo: install
 	$(BIN)/neurframe run samples/bracket.stl -w demo/bracket.neurframe
 
-test: install lint types ctest pytest
+test: lint types ctest pytest
 
 lint: $(VENV)/.dependencies
 	$(BIN)/ruff check .
@@ -37,13 +43,11 @@ lint: $(VENV)/.dependencies
 types: $(VENV)/.dependencies
 	$(BIN)/mypy
 
-ctest: $(VENV)/.dependencies
-	$(BIN)/cmake -S native -B $(NATIVE_BUILD) -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_MAKE_PROGRAM=$(abspath $(BIN)/ninja) -DPython3_EXECUTABLE=$(abspath $(BIN)/python)
-	$(BIN)/cmake --build $(NATIVE_BUILD) -j $(JOBS)
-	$(BIN)/ctest --test-dir $(NATIVE_BUILD) --output-on-failure
+ctest: $(VENV)/.package-with-tests
+	$(BIN)/ctest --test-dir $(NATIVE_BUILD) --output-on-failure -j $(JOBS)
 
-pytest: install
-	$(BIN)/python -P -m pytest -q
+pytest: $(VENV)/.package-with-tests
+	$(BIN)/python -P -m pytest -q -n $(JOBS)
 
 format: $(VENV)/.dependencies
 	$(BIN)/ruff check --fix .
