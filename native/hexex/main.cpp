@@ -6,6 +6,7 @@
 #include "core/hex_io.hpp"
 #include "core/hex_map_io.hpp"
 #include "core/program.hpp"
+#include "core/step_clock.hpp"
 #include "hexex/build_hex_grid_map.hpp"
 
 namespace neurframe {
@@ -34,16 +35,21 @@ ExitCode extract(const Arguments& arguments, Json& statistics) {
   const int threads = worker_threads(arguments);
   const std::string output = arguments.text("--output");
   check_hex_format(output);
+  Json cpu_seconds;  // a copy goes into the statistics at the end
+  StepClock clock(cpu_seconds);
   report_progress(0.0, "reading");
   HexMap real = read_hex_map(arguments.positional(0));
+  clock.finish("read");
   report_progress(0.2, "exact map");
   OrientationReport orientation;
   MapReport report;
   const GridMap<3> map = build_hex_grid_map(std::move(real), arguments.given("--partial-boundary"), threads,
                                             orientation, report);
+  clock.finish("exact_map");
   Extraction<3> extraction = extract_cells(map, threads, [](double fraction, const std::string& step) {
     report_progress(0.3 + 0.6 * fraction, step);
   });
+  clock.finish("extract");
   report_map(map, report, statistics);
   statistics["turned_tets"] = orientation.turned_tets;
   statistics["mirrored_components"] = orientation.mirrored_components;
@@ -60,6 +66,8 @@ ExitCode extract(const Arguments& arguments, Json& statistics) {
     write_locations<3>(arguments.text("--locations"),
                        in_order_of_file(extraction.locations, orientation.turned));
   }
+  clock.finish("write");
+  statistics["cpu_seconds"] = cpu_seconds;
   report_progress(1.0, "done");
   return complete ? ExitCode::done : ExitCode::incomplete;
 }

@@ -5,6 +5,7 @@
 #include "core/extraction/report.hpp"
 #include "core/program.hpp"
 #include "core/quad_map_io.hpp"
+#include "core/step_clock.hpp"
 #include "qex/build_quad_grid_map.hpp"
 
 namespace neurframe {
@@ -22,15 +23,20 @@ CommandLine command_line() {
 
 ExitCode extract(const Arguments& arguments, Json& statistics) {
   const int threads = worker_threads(arguments);
+  Json cpu_seconds;  // a copy goes into the statistics at the end
+  StepClock clock(cpu_seconds);
   report_progress(0.0, "reading");
   QuadMap real = read_quad_map(arguments.positional(0));
+  clock.finish("read");
   report_progress(0.2, "exact map");
   bool mirrored = false;
   MapReport report;
   const GridMap<2> map = build_quad_grid_map(std::move(real), threads, mirrored, report);
+  clock.finish("exact_map");
   const Extraction<2> extraction = extract_cells(map, threads, [](double fraction, const std::string& step) {
     report_progress(0.3 + 0.6 * fraction, step);
   });
+  clock.finish("extract");
   report_map(map, report, statistics);
   statistics["mirrored"] = mirrored;
   statistics["quads"] = extraction.cells.size();
@@ -43,6 +49,8 @@ ExitCode extract(const Arguments& arguments, Json& statistics) {
   report_progress(0.9, "writing");
   write_quads_obj(arguments.text("--output"), extraction.V, extraction.cells);
   if (arguments.given("--locations")) write_locations<2>(arguments.text("--locations"), extraction.locations);
+  clock.finish("write");
+  statistics["cpu_seconds"] = cpu_seconds;
   report_progress(1.0, "done");
   return complete ? ExitCode::done : ExitCode::incomplete;
 }
