@@ -32,7 +32,7 @@ def tetize_step(model: Path, features: Path | None, options: TetizeOptions) -> S
         given = None if features is None else read_feature_segments(features, loaded)
         with scratch_folder(context.workspace.folder) as scratch:
             chosen = replace(options, feature_segments=given)
-            result = tetize(loaded, chosen, context.progress, scratch)
+            result = tetize(loaded, chosen, context.progress, scratch, name=str(model))
         for warning in result.warnings:
             context.warn(warning)
         _write(context, result)
