@@ -41,7 +41,9 @@ def main() -> None:
 
 
 def parse_arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("model", type=Path)
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--seed", type=int, default=0)
@@ -64,33 +66,48 @@ def kill_stage(stage: str, arguments: argparse.Namespace, scratch: Path, rng: ra
         outcome |= {"stage": stage, "kill": number, "same": outcome.pop("outputs") == reference}
         failures += not (outcome["same"] and not outcome["torn"])
         print(json.dumps(outcome), flush=True)
-    print(f"{stage}: {arguments.kills} kills within {seconds:.1f} s, {failures} with another result", flush=True)
+    print(
+        f"{stage}: {arguments.kills} kills within {seconds:.1f} s, {failures} with another result", flush=True
+    )
     return failures
 
 
 def command(stage: str, arguments: argparse.Namespace, workspace: Path) -> list[str]:
     base = [sys.executable, "-m", "neurframe_cli", stage, "-q", "-w", str(workspace)]
-    return [*base, str(arguments.model), "--edge-length", arguments.edge_length] if stage == "tetize" else base
+    return (
+        [*base, str(arguments.model), "--edge-length", arguments.edge_length] if stage == "tetize" else base
+    )
 
 
-def undisturbed(stage: str, arguments: argparse.Namespace, before: Path, folder: Path) -> tuple[dict[str, str], float]:
+def undisturbed(
+    stage: str, arguments: argparse.Namespace, before: Path, folder: Path
+) -> tuple[dict[str, str], float]:
     shutil.copytree(before, folder)
     started = time.monotonic()
     subprocess.run(command(stage, arguments, folder), check=True)
     return hashes(stage, folder), time.monotonic() - started
 
 
-def kill_once(stage: str, arguments: argparse.Namespace, before: Path, folder: Path, delay: float) -> dict[str, object]:
+def kill_once(
+    stage: str, arguments: argparse.Namespace, before: Path, folder: Path, delay: float
+) -> dict[str, object]:
     """Kill after `delay` seconds, look for torn files, run again; outputs by hash."""
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(before, folder)
-    victim = subprocess.Popen(command(stage, arguments, folder), start_new_session=True, stderr=subprocess.DEVNULL)
+    victim = subprocess.Popen(
+        command(stage, arguments, folder), start_new_session=True, stderr=subprocess.DEVNULL
+    )
     time.sleep(delay)
     os.kill(victim.pid, signal.SIGKILL)
     victim.wait()
     torn = torn_files(folder)
     again = subprocess.run(command(stage, arguments, folder), check=False)
-    return {"after_s": round(delay, 2), "torn": torn, "exit": again.returncode, "outputs": hashes(stage, folder)}
+    return {
+        "after_s": round(delay, 2),
+        "torn": torn,
+        "exit": again.returncode,
+        "outputs": hashes(stage, folder),
+    }
 
 
 def torn_files(folder: Path) -> list[str]:
