@@ -49,16 +49,17 @@ PreparedField prepare(FieldMesh mesh, const Preparation& preparation) {
 }
 
 PreparedField best_preparation(const FieldMesh& mesh) {
-  const double mean = mean_edge_length(mesh);
+  // a mesh bounded by its mean edge length has three to five times the tets, and costs as much more to solve
   const Preparation candidates[] = {
-      {0, 0, true}, {0, 10, true}, {0, 0, false}, {mean, 20, true}, {0.7 * mean, 30, true}};
+      {0, 0, true}, {0, 10, true}, {0, 0, false}, {mean_edge_length(mesh), 20, true}};
   std::optional<PreparedField> best;
   std::vector<PreparationScore> judged;
   for (const Preparation& candidate : candidates) {
     PreparedField prepared = prepare(mesh, candidate);
     const double score = defect_score(prepared.defects);
     judged.push_back({candidate, prepared.field.mesh.tet_count(), score});
-    if (!best || score < defect_score(best->defects)) best = std::move(prepared);
+    const double worth = candidate.longest_edge > 0 ? 0.5 : 1;
+    if (!best || score < worth * defect_score(best->defects)) best = std::move(prepared);
     if (defect_score(best->defects) == 0) break;
   }
   best->judged = std::move(judged);

@@ -29,8 +29,9 @@ struct PreparedField {
 
 PreparedField prepare(FieldMesh mesh, const Preparation& preparation);
 
-// The preparation with the lowest defect score: the mesh as it is, smoothed, without straightened lines, and
-// with edges bounded by 1 and 0.7 mean edge lengths; the first one without defects ends the search.
+// The preparation with the lowest defect score: the mesh as it is, smoothed, without straightened lines, or,
+// where that halves the score, with edges bounded by their mean length.  The first one without defects ends
+// the search.
 PreparedField best_preparation(const FieldMesh& mesh);
 
 // Halves the edges of the tets that failed, so that the next try has room there.
