@@ -9,9 +9,9 @@
 namespace neurframe {
 
 struct UntangleOptions {
-  int most_iterations = 100;
+  int most_iterations = 60;
   int patience = 15;              // iterations without fewer folds before giving up
-  int polish = 2;                 // iterations after the last fold is gone
+  int polish = 4;                 // iterations after the last fold is gone
   double determinant_weight = 1;  // of the area term against the shape term
   double alignment_weight = 0.1;  // of |J - I|^2, which keeps the map near the field
 };
