@@ -12,8 +12,9 @@
     │   ├── ChildOutOfMemory     a child process went over its memory limit
     │   └── WorkspaceBusy        another process writes in the workspace
     ├── NotValid              4  finished, but the mesh does not pass its checks
-    ├── TimedOut            124  a time limit was reached
-    └── Interrupted         130  Ctrl-C or SIGTERM
+    └── TimedOut            124  a time limit was reached
+
+Ctrl-C and SIGTERM are KeyboardInterrupt, which no handler of errors takes for one, and end with exit code 130.
 
 The number is the exit code.  A message says what happened, in which file or element, what was found and what is
 allowed; `hint` says what to try.
@@ -78,7 +79,3 @@ class NotValid(NeurframeError):
 
 class TimedOut(NeurframeError):
     exit_code = 124
-
-
-class Interrupted(NeurframeError):
-    exit_code = 130

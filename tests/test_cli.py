@@ -58,6 +58,8 @@ def test_every_command_explains_itself(name: str) -> None:
         (["train", "-w", "nowhere"], 2, "nowhere"),
         (["discretize", "--no-such-option"], 2, "--no-such-option"),
         (["--config", "missing.toml", "train"], 2, "missing.toml"),
+        (["train", "--sigma", "inf"], 2, "not a finite number"),
+        (["hex", "--scale", "nan"], 2, "not a finite number"),
     ],
 )
 def test_wrong_usage_is_one_clear_line(tmp_path: Path, arguments: list[str], code: int, says: str) -> None:
@@ -65,7 +67,7 @@ def test_wrong_usage_is_one_clear_line(tmp_path: Path, arguments: list[str], cod
     assert ended.returncode == code
     assert says in ended.stderr
     assert "Traceback" not in ended.stderr
-    assert list(tmp_path.glob("**/*.stl")) == []
+    assert list(tmp_path.glob("*.neurframe")) == []
 
 
 def test_unusable_input_leaves_the_reason_in_the_manifest(tmp_path: Path) -> None:
@@ -74,6 +76,9 @@ def test_unusable_input_leaves_the_reason_in_the_manifest(tmp_path: Path) -> Non
     assert ended.returncode == 2
     assert "bad.stl" in ended.stderr
     assert "Traceback" not in ended.stderr
+    record = json.loads((tmp_path / "bad.neurframe" / "manifest.json").read_text())["stages"]["tetize"]
+    assert record["status"] == "failed"
+    assert "bad.stl" in record["error"]
 
 
 def test_config_file_sets_defaults_and_the_command_line_wins(
@@ -96,7 +101,10 @@ def test_config_file_sets_defaults_and_the_command_line_wins(
         ("[tetise]\nedge-length = 0.1\n", "tetise"),
         ("edge-length = 0.1\n", "outside a table"),
         ("[tetize\n", "not valid TOML"),
-        ('[tetize]\nedge-length = "wide"\n', "wide"),
+        ('[tetize]\nedge-length = "wide"\n', "takes no str"),
+        ("[tetize]\nseed = 1.7\n", "takes no float"),
+        ("[tetize]\nseed = true\n", "takes no bool"),
+        ("[tetize]\nfeatures = [1]\n", "takes no list"),
     ],
 )
 def test_mistakes_in_a_config_file_are_named(tmp_path: Path, text: str, says: str) -> None:

@@ -17,7 +17,7 @@ from neurframe_cli.errors import NotValid, StageError, TooNewFile, UnreadableFil
 from neurframe_cli.mesh.arrays import silent
 from neurframe_cli.pipeline.atomic import TEMPORARY_PREFIX, atomic_path, sha256_of, write_json
 from neurframe_cli.pipeline.lock import exclusive
-from neurframe_cli.pipeline.manifest import MANIFEST_NAME, read_manifest
+from neurframe_cli.pipeline.manifest import MANIFEST_NAME, read_manifest, write_manifest
 from neurframe_cli.pipeline.runner import StageContext, Step, run_stage
 from neurframe_cli.pipeline.workspace import Workspace, find_workspace, workspace_for_input
 
@@ -94,6 +94,50 @@ def test_invalid_result_is_kept_and_said_again_without_doing_it_again(folder: Pa
     assert calls == [2]
     assert (folder / "product").read_text() == "42"
     assert read_manifest(folder).stages["double"].report == {"value": 42}
+
+
+def test_what_an_unfinished_or_outdated_stage_left_is_refused(folder: Path) -> None:
+    workspace = Workspace(folder)
+    run_stage(workspace, doubling_step(folder, []), silent)
+
+    def copy(context: StageContext) -> dict[str, int]:
+        with atomic_path(context.workspace / "copy") as temporary:
+            temporary.write_text((folder / "product").read_text())
+        return {}
+
+    def reader() -> Step:
+        return Step("copy", 1, {"product": folder / "product"}, ("copy",), {}, copy)
+
+    run_stage(workspace, reader(), silent)
+    (folder / "source").write_text("5")
+    with pytest.raises(UsageError, match="another source"):
+        run_stage(workspace, reader(), silent)
+    manifest = read_manifest(folder)
+    manifest.stages["double"].status = "running"
+    write_manifest(folder, manifest)
+    with pytest.raises(UsageError, match="did not finish"):
+        run_stage(workspace, reader(), silent)
+    run_stage(workspace, doubling_step(folder, []), silent)
+    run_stage(workspace, reader(), silent)
+    assert (folder / "copy").read_text() == "10"
+
+
+def test_a_stage_never_writes_over_its_own_input(folder: Path) -> None:
+    (folder / "product").write_text("4")
+    step = doubling_step(folder, [])
+    greedy = Step("double", 1, {"source": folder / "product"}, step.outputs, step.options, step.work)
+    with pytest.raises(UsageError, match="write over its input"):
+        run_stage(Workspace(folder), greedy, silent)
+    assert (folder / "product").read_text() == "4"
+
+
+def test_a_lock_that_is_a_link_is_refused_and_its_target_kept(tmp_path: Path) -> None:
+    (tmp_path / "victim").write_text("precious")
+    (tmp_path / "ws").mkdir()
+    (tmp_path / "ws" / ".lock").symlink_to(tmp_path / "victim")
+    with pytest.raises(StageError, match="cannot write"), exclusive(tmp_path / "ws"):
+        pass
+    assert (tmp_path / "victim").read_text() == "precious"
 
 
 def test_manifest_records_hashes_options_and_versions(folder: Path) -> None:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from neurframe_cli.errors import NotValid
+from neurframe_cli.pipeline.manifest import read_manifest
 from neurframe_cli.pipeline.runner import StageOutcome, Step, run_stage
 from neurframe_cli.pipeline.workspace import Workspace
 
 if TYPE_CHECKING:
     from neurframe_cli.cli.console import Console
+    from neurframe_cli.pipeline.mesh_step import MeshKind, MeshRequest
 
 DEFAULT_SCALES = {"quad": 100.0, "hex": 30.0}  # paper, sections 5.1.1 and 5.1.2
 
@@ -33,13 +36,7 @@ _TRAIN_OPTIONS = (
 
 
 def tetize_stage(
-    workspace: Workspace,
-    model: Path,
-    values: Mapping[str, Any],
-    threads: int,
-    console: Console,
-    *,
-    force: bool = False,
+    workspace: Workspace, model: Path, values: Mapping[str, Any], console: Console, *, force: bool = False
 ) -> StageOutcome:
     """INPUT -> tets."""
     from neurframe_cli.pipeline.tetize_step import tetize_step
@@ -90,44 +87,76 @@ def points_stage(
     return run_step(workspace, points_step(workspace, points), console, force=force)
 
 
+Kind = Literal["quad", "hex"]
+
+
+def mesh_request(kinds: Sequence[Kind], values: Mapping[str, Any], threads: int) -> dict[Kind, MeshRequest]:
+    """What is asked of each mesh, checked before anything is computed; raises UsageError or UnsupportedFormat."""
+    from neurframe_cli.mesh.write_cells import check_output
+    from neurframe_cli.pipeline.mesh_step import MeshRequest
+    from neurframe_cli.pipeline.native import Limits
+    from neurframe_cli.pipeline.sizing import element_size
+
+    limits = Limits(values["timeout"], values["memory"], threads)
+    requests: dict[Kind, MeshRequest] = {}
+    for kind in kinds:
+        if values["output"] is not None:
+            check_output(values["output"], kind)
+        size = element_size(values["scale"], values["edge_length"], values.get("count"), DEFAULT_SCALES[kind])
+        requests[kind] = MeshRequest(size, values["feature_angle"], limits, values["pictures"])
+    return requests
+
+
 def mesh_stage(
-    kind: Literal["quad", "hex"],
+    kind: Kind,
     workspace: Workspace,
-    values: Mapping[str, Any],
-    threads: int,
+    request: MeshRequest,
+    output: Path | None,
     console: Console,
     *,
     force: bool = False,
 ) -> StageOutcome:
-    """Crosses -> quads, or frames -> hexes."""
-    from neurframe_cli.mesh.write_cells import check_output
-    from neurframe_cli.pipeline.hex_step import hex_step
-    from neurframe_cli.pipeline.mesh_step import MeshRequest
-    from neurframe_cli.pipeline.native import Limits
-    from neurframe_cli.pipeline.quad_step import quad_step
-    from neurframe_cli.pipeline.sizing import element_size
+    """Crosses -> quads, or frames -> hexes; then the further file, also of a mesh that was there already."""
+    from neurframe_cli.pipeline.hex_step import HEX, hex_step
+    from neurframe_cli.pipeline.quad_step import QUAD, quad_step
 
-    if values["output"] is not None:
-        check_output(values["output"], kind)
-    size = element_size(values["scale"], values["edge_length"], values["count"], DEFAULT_SCALES[kind])
-    limits = Limits(values["timeout"], values["memory"], threads)
-    request = MeshRequest(size, values["feature_angle"], values["output"], limits, values["pictures"])
     step = (quad_step if kind == "quad" else hex_step)(workspace, request)
-    return run_step(workspace, step, console, force=force)
+    try:
+        outcome = run_step(workspace, step, console, force=force)
+    except NotValid:
+        _export(workspace, QUAD if kind == "quad" else HEX, output)
+        raise
+    _export(workspace, QUAD if kind == "quad" else HEX, output)
+    return outcome
+
+
+def _export(workspace: Workspace, kind: MeshKind, output: Path | None) -> None:
+    from neurframe_cli.pipeline.mesh_step import export_mesh
+
+    if output is not None and (workspace / kind.outputs[0]).is_file():
+        export_mesh(workspace, kind, output)
 
 
 def run_step(workspace: Workspace, step: Step, console: Console, *, force: bool = False) -> StageOutcome:
-    """Run one step with its progress shown, and say what came of it."""
-    with console.progress(step.name) as progress:
-        outcome = run_stage(workspace, step, progress, force=force)
+    """Run one step with its progress shown, and say what came of it, also where that is not valid."""
+    try:
+        with console.progress(step.name) as progress:
+            outcome = run_stage(workspace, step, progress, force=force)
+    except NotValid:
+        _say(step.name, read_manifest(workspace.folder).stages[step.name].report, console)
+        raise
     record = outcome.record
     if outcome.skipped:
         console.log.info("%s: unchanged, skipped", step.name)
     else:
         console.log.info("%s: done in %.1f s, peak %.0f MiB", step.name, record.seconds, record.peak_mib)
-    for line in _summary(step.name, record.report):
-        console.log.info("  %s", line)
+    _say(step.name, record.report, console)
     return outcome
+
+
+def _say(stage: str, report: Mapping[str, Any], console: Console) -> None:
+    for line in _summary(stage, report) if report else []:
+        console.log.info("  %s", line)
 
 
 def _summary(stage: str, report: Mapping[str, Any]) -> list[str]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from neurframe_cli.cli.command import StageCommand
+from neurframe_cli.cli.options import feature_angle_option
 from neurframe_cli.errors import NotValid
 
 if TYPE_CHECKING:
@@ -20,9 +21,7 @@ if TYPE_CHECKING:
 @click.option(
     "--against", type=click.Path(path_type=Path), required=True, help="The surface or tets it was made from."
 )
-@click.option(
-    "--feature-angle", type=float, default=45.0, show_default=True, help="Sharp edges of the input, degrees."
-)
+@feature_angle_option
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as one JSON object.")
 def command(
     mesh: Path, against: Path, feature_angle: float, as_json: bool, threads: int, console: Console

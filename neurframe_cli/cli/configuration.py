@@ -52,8 +52,21 @@ def defaults_for(
                 continue
             for key, value in table.items():
                 _expect(key, list(options), f"config file {path}: `{name}` has no option {key!r}")
+                if not _takes(options[key], value):
+                    raise UsageError(
+                        f"config file {path}: `{name}` takes no {type(value).__name__} for {key!r}"
+                    )
                 values[options[key].name or key] = value
     return values
+
+
+def _takes(option: click.Option, value: Any) -> bool:
+    """Whether a TOML value is of the option's kind: a flag takes true or false, which are no numbers elsewhere."""
+    if option.is_flag or isinstance(value, bool):
+        return option.is_flag and isinstance(value, bool)
+    if isinstance(option.type, click.IntRange):
+        return isinstance(value, int)
+    return isinstance(value, int | float if isinstance(option.type, click.FloatRange) else str)
 
 
 def _key(option: click.Option) -> str:

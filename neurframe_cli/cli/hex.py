@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -34,12 +34,13 @@ if TYPE_CHECKING:
 @pictures_option
 @limit_options(1800.0, "each program")
 @force_option
-def command(workspace: Path | None, force: bool, threads: int, console: Console, **values: object) -> None:
+def command(workspace: Path | None, force: bool, threads: int, console: Console, **values: Any) -> None:
     """Parametrise the tets along the frames (CubeCover), extract the hexes (HexEx), smooth and check them.
 
     Writes map.hexex (the integer-grid map), hex.vtk and hex.mesh; exit code 4 where the hexes are not valid.
     """
-    from neurframe_cli.cli.chain import mesh_stage
+    from neurframe_cli.cli.chain import mesh_request, mesh_stage
     from neurframe_cli.pipeline.workspace import find_workspace
 
-    mesh_stage("hex", find_workspace(workspace), values, threads, console, force=force)
+    request = mesh_request(["hex"], values, threads)["hex"]
+    mesh_stage("hex", find_workspace(workspace), request, values["output"], console, force=force)

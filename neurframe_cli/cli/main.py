@@ -14,7 +14,9 @@ import click
 
 from neurframe_cli import __version__
 from neurframe_cli.cli.settings import GLOBAL_OPTIONS, Settings
-from neurframe_cli.errors import Interrupted, NeurframeError
+from neurframe_cli.errors import NeurframeError
+
+INTERRUPTED = 130
 
 # command -> what the help says; the module neurframe_cli.cli.NAME has a click command called `command`
 COMMANDS = {
@@ -78,7 +80,7 @@ def run_command_line(arguments: Sequence[str]) -> int:
         return error.exit_code
     except (KeyboardInterrupt, click.Abort):
         _say("interrupted", "run the same command again to go on from here")
-        return Interrupted.exit_code
+        return INTERRUPTED
     except BrokenPipeError:
         # the reader of our output has gone; keep Python from complaining about it again at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -88,8 +90,7 @@ def run_command_line(arguments: Sequence[str]) -> int:
 
 
 def _interrupt(signum: int, frame: FrameType | None) -> None:
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    raise Interrupted("stopped by SIGTERM", hint="run the same command again to go on from here")
+    raise KeyboardInterrupt
 
 
 def _say(line: str, hint: str | None = None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -10,7 +11,20 @@ import click
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
-_positive = click.FloatRange(0, min_open=True)
+
+class FiniteRange(click.FloatRange):
+    """A range of floats without infinities and NaN, which pass every comparison of click's."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number.", param, ctx)
+        return number
+
+
+_positive = FiniteRange(0, min_open=True)
 
 input_argument = click.argument("model", metavar="INPUT", type=click.Path(path_type=Path))
 workspace_option = click.option(
@@ -43,14 +57,14 @@ def tetize_options(edge_length_name: str) -> Callable[[Command], Command]:
         click.option(
             edge_length_name,
             "tet_edge_length",
-            type=click.FloatRange(1e-4, 1.0),
+            type=FiniteRange(1e-4, 1.0),
             default=0.025,
             show_default=True,
             help="Edge length of the tets, in bounding-box diagonals.",
         ),
         click.option(
             "--epsilon",
-            type=click.FloatRange(1e-6, 0.1),
+            type=FiniteRange(1e-6, 0.1),
             default=1e-3,
             show_default=True,
             help="How far the surface may move, in bounding-box diagonals.",
@@ -79,7 +93,7 @@ def limit_options(timeout_s: float, what: str) -> Callable[[Command], Command]:
 
 feature_angle_option = click.option(
     "--feature-angle",
-    type=click.FloatRange(0, 180),
+    type=FiniteRange(0, 180),
     default=45.0,
     show_default=True,
     help="Edges that bend by more degrees are features.",
@@ -91,7 +105,7 @@ output_option = click.option(
     help="A further file for the mesh; its extension is the format.",
 )
 
-_share = click.FloatRange(0, 1, min_open=True)
+_share = FiniteRange(0, 1, min_open=True)
 
 train_options = options(
     click.option(
@@ -118,27 +132,27 @@ train_options = options(
     click.option("--time-budget", type=_positive, help="Seconds after which training ends with what it has."),
     click.option(
         "--lambda-smooth",
-        type=click.FloatRange(0),
+        type=FiniteRange(0),
         default=1.0,
         show_default=True,
         help="Weight of smoothness.",
     ),
     click.option(
         "--lambda-boundary",
-        type=click.FloatRange(0),
+        type=FiniteRange(0),
         default=20.0,
         show_default=True,
         help="Weight of normals.",
     ),
     click.option(
         "--lambda-feature",
-        type=click.FloatRange(0),
+        type=FiniteRange(0),
         default=1.0,
         show_default=True,
         help="Weight of features.",
     ),
     click.option(
-        "--sigma", type=click.FloatRange(0), default=10.0, show_default=True, help="Decay away from features."
+        "--sigma", type=FiniteRange(0), default=10.0, show_default=True, help="Decay away from features."
     ),
     click.option(
         "--device",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -34,12 +34,13 @@ if TYPE_CHECKING:
 @pictures_option
 @limit_options(1800.0, "each program")
 @force_option
-def command(workspace: Path | None, force: bool, threads: int, console: Console, **values: object) -> None:
+def command(workspace: Path | None, force: bool, threads: int, console: Console, **values: Any) -> None:
     """Parametrise the surface along the crosses (MIQ), extract the quads (QEx), smooth and check them.
 
     Writes map.obj (the integer-grid uv map) and quad.obj; exit code 4 where the quads are not valid.
     """
-    from neurframe_cli.cli.chain import mesh_stage
+    from neurframe_cli.cli.chain import mesh_request, mesh_stage
     from neurframe_cli.pipeline.workspace import find_workspace
 
-    mesh_stage("quad", find_workspace(workspace), values, threads, console, force=force)
+    request = mesh_request(["quad"], values, threads)["quad"]
+    mesh_stage("quad", find_workspace(workspace), request, values["output"], console, force=force)

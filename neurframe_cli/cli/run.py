@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -22,10 +22,13 @@ from neurframe_cli.cli.options import (
     train_options,
     workspace_option,
 )
-from neurframe_cli.errors import NotValid, UsageError
+from neurframe_cli.errors import NeurframeError, NotValid, UsageError
 
 if TYPE_CHECKING:
+    from neurframe_cli.cli.chain import Kind
     from neurframe_cli.cli.console import Console
+    from neurframe_cli.pipeline.mesh_step import MeshRequest
+    from neurframe_cli.pipeline.workspace import Workspace
 
 
 @click.command(name="run", cls=StageCommand)
@@ -57,20 +60,18 @@ def command(
 
     Stages whose inputs and options have not changed are skipped; a killed run goes on where it was.
     """
-    from neurframe_cli.cli.chain import discretize_stage, tetize_stage, train_stage
+    from neurframe_cli.cli.chain import discretize_stage, mesh_request, tetize_stage, train_stage
     from neurframe_cli.pipeline.workspace import workspace_for_input
 
     kinds = _kinds(quad, hexes)
     _refuse_ambiguous(kinds, values)
+    requests = mesh_request(kinds, values, threads)
     found = workspace_for_input(model, workspace)
-    tetize_stage(found, model, values, threads, console, force=force)
+    tetize_stage(found, model, values, console, force=force)
     train_stage(found, values, threads, console, force=force)
     discretize_stage(found, values, console, force=force)
-    _make_meshes(kinds, found, values, threads, console, force)
+    _make_meshes(requests, found, values["output"], console, force)
     console.result(str(found.folder))
-
-
-Kind = Literal["quad", "hex"]
 
 
 def _kinds(quad: bool, hexes: bool) -> list[Kind]:
@@ -90,16 +91,22 @@ def _refuse_ambiguous(kinds: list[Kind], values: dict[str, Any]) -> None:
 
 
 def _make_meshes(
-    kinds: list[Kind], workspace: Any, values: dict[str, Any], threads: int, console: Console, force: bool
+    requests: dict[Kind, MeshRequest],
+    workspace: Workspace,
+    output: Path | None,
+    console: Console,
+    force: bool,
 ) -> None:
-    """Every mesh that was asked for; one that is not valid does not keep the next from being made."""
+    """Every mesh that was asked for; one that fails does not keep the next from being made."""
     from neurframe_cli.cli.chain import mesh_stage
 
-    failed = []
-    for kind in kinds:
+    failed: list[NeurframeError] = []
+    for kind, request in requests.items():
         try:
-            mesh_stage(kind, workspace, {**values, "count": None}, threads, console, force=force)
-        except NotValid as error:
-            failed.append(str(error))
+            mesh_stage(kind, workspace, request, output, console, force=force)
+        except NeurframeError as error:
+            failed.append(error)
+    for earlier in failed[:-1]:
+        console.log.error("%s", earlier)
     if failed:
-        raise NotValid("; ".join(failed), hint=f"the meshes are in {workspace.folder} all the same")
+        raise next((failure for failure in failed if not isinstance(failure, NotValid)), failed[-1])

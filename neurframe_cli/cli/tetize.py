@@ -41,4 +41,4 @@ def command(
     from neurframe_cli.cli.chain import tetize_stage
     from neurframe_cli.pipeline.workspace import workspace_for_input
 
-    tetize_stage(workspace_for_input(model, workspace), model, values, threads, console, force=force)
+    tetize_stage(workspace_for_input(model, workspace), model, values, console, force=force)

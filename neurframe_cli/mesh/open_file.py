@@ -21,9 +21,7 @@ def check_file(path: Path) -> None:
         if not path.exists():
             raise UnreadableFile(f"{path}: no such file")
         if not path.is_file():
-            raise UnreadableFile(
-                f"{path}: not a file", hint="name one mesh file; `neurframe batch` takes many"
-            )
+            raise UnreadableFile(f"{path}: not a file", hint="name one mesh file")
         size = path.stat().st_size
     except (OSError, ValueError) as error:  # ValueError: a NUL byte in the name
         raise UnreadableFile(f"{path}: {error}") from error

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from neurframe_cli import __version__
-from neurframe_cli.errors import NeurframeError, StageError
+from neurframe_cli.errors import StageError
 from neurframe_cli.mesh.arrays import Features, Surface, TetMesh, silent
 from neurframe_cli.pipeline.executables import PROGRAMS, find_executable
 from neurframe_cli.process import run_child
@@ -71,8 +71,8 @@ def _examined(name: str, examination: Callable[[], str], *, required: bool = Tru
     started = time.perf_counter()
     try:
         detail = examination()
-    except (NeurframeError, ImportError) as error:
-        return Finding(name, False, str(error), required)
+    except Exception as error:  # whatever is broken here is what the doctor was asked for
+        return Finding(name, False, str(error) or type(error).__name__, required)
     return Finding(name, True, f"{detail} ({time.perf_counter() - started:.1f} s)", required)
 
 

@@ -19,7 +19,7 @@ def exclusive(folder: Path) -> Iterator[None]:
     """Hold the lock of the workspace in `folder`; raises WorkspaceBusy naming the process that has it."""
     path = folder / LOCK_NAME
     try:
-        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
     except OSError as error:
         raise write_error(path, error) from error
     try:

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from neurframe_cli.errors import InvalidMesh, NotValid
 from neurframe_cli.mesh.arrays import Features, Progress, Surface
 from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
@@ -22,17 +23,17 @@ from neurframe_cli.pipeline.pictures import draw_or_warn
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.sizing import ElementSize
 from neurframe_cli.pipeline.tetize_step import SURFACE
+from neurframe_cli.pipeline.workspace import Workspace
 from neurframe_cli.stages.smooth_hexes import smooth_hexes
 from neurframe_cli.stages.smooth_quads import smooth_quads
 
 
 @dataclass(frozen=True)
 class MeshRequest:
-    """What the user asked for; output: a further file for the mesh, its format by its extension."""
+    """What the user asked for."""
 
     size: ElementSize
     feature_angle_deg: float
-    output: Path | None
     limits: Limits
     pictures: bool
 
@@ -66,9 +67,7 @@ def mesh_step(kind: MeshKind, inputs: Mapping[str, Path], request: MeshRequest) 
         extraction, raw = _extract(kind, context, request.limits)
         features = features_by_angle(surface.V, surface.F, request.feature_angle_deg)
         smoothed = _smooth(raw, surface, features, _part(context.progress, 0.7, 0.9))
-        verdict = _write(
-            kind, context, CellMesh(kind.name, smoothed.V, raw.cells), surface, features, request.output
-        )
+        verdict = _write(kind, context, CellMesh(kind.name, smoothed.V, raw.cells), surface, features)
         if request.pictures:
             draw_or_warn(context, kind.pictures, MeshData(smoothed.V, raw.cells))
         context.invalid = _what_is_wrong(kind, parametrization, extraction, verdict)
@@ -89,7 +88,6 @@ def mesh_step(kind: MeshKind, inputs: Mapping[str, Path], request: MeshRequest) 
             **asdict(request.size),
             "feature_angle_deg": request.feature_angle_deg,
             "pictures": request.pictures,
-            "output": None if request.output is None else str(request.output),
         },
         unkeyed_options=asdict(request.limits),
         work=work,
@@ -118,7 +116,13 @@ def _extract(kind: MeshKind, context: StageContext, limits: Limits) -> tuple[Pro
         raw = scratch / ("quads.obj" if kind.name == "quad" else "hexes.mesh")
         arguments: list[str | Path] = [context.workspace / kind.map_name, "-o", raw]
         result = run_program(kind.extractor, arguments, limits, _part(context.progress, 0.5, 0.7))
-        return result, read_cells(raw)
+        try:
+            return result, read_cells(raw)
+        except InvalidMesh as error:
+            raise NotValid(
+                f"no {kind.name} mesh could be extracted from the map: {result.last_words or 'it has no cells'}",
+                hint=f"{kind.map_name} is kept; try another scale",
+            ) from error
 
 
 def _smooth(raw: CellMesh, surface: Surface, features: Features, progress: Progress) -> SmoothedMesh:
@@ -127,20 +131,21 @@ def _smooth(raw: CellMesh, surface: Surface, features: Features, progress: Progr
 
 
 def _write(
-    kind: MeshKind,
-    context: StageContext,
-    mesh: CellMesh,
-    surface: Surface,
-    features: Features,
-    output: Path | None,
+    kind: MeshKind, context: StageContext, mesh: CellMesh, surface: Surface, features: Features
 ) -> Verdict:
-    """Write every file asked for; the verdict is on what is read back."""
-    inside = [context.workspace / name for name in kind.outputs]
-    for path in (*inside, *((output,) if output is not None else ())):
-        with atomic_path(path) as temporary:
+    """Write every file of the workspace; the verdict is on what is read back."""
+    for name in kind.outputs:
+        with atomic_path(context.workspace / name) as temporary:
             write_cells(temporary, mesh)
     context.progress(0.95, "checking")
-    return check_file(inside[0], surface, features)
+    return check_file(context.workspace / kind.outputs[0], surface, features)
+
+
+def export_mesh(workspace: Workspace, kind: MeshKind, output: Path) -> None:
+    """The mesh of the workspace once more, as another file in the format of its extension."""
+    mesh = read_cells(workspace / kind.outputs[0])
+    with atomic_path(output) as temporary:
+        write_cells(temporary, mesh)
 
 
 def _what_is_wrong(

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from neurframe_cli.errors import NotValid, StageError
+from neurframe_cli.errors import InputError, NotValid, StageError
 from neurframe_cli.mesh.arrays import Progress
 from neurframe_cli.pipeline.executables import find_executable
 from neurframe_cli.process import run_child
@@ -37,18 +37,24 @@ class ProgramResult:
 def run_program(
     program: str, arguments: Sequence[str | os.PathLike[str]], limits: Limits, progress: Progress
 ) -> ProgramResult:
-    """Run miq, qex, cubecover or hexex with `arguments`; raises what process.run_child raises."""
+    """Run miq, qex, cubecover or hexex with `arguments`; raises what run_child raises, no InputError."""
     executable = find_executable(program)
     threads = [] if limits.threads is None else ["--threads", str(limits.threads)]
-    ended = run_child(
-        [executable, *arguments, *threads],
-        name=executable.name,
-        timeout_s=limits.timeout_s,
-        memory_mib=limits.memory_mib,
-        threads=limits.threads,
-        on_progress=progress,
-        accept=(0, NotValid.exit_code),
-    )
+    try:
+        ended = run_child(
+            [executable, *arguments, *threads],
+            name=executable.name,
+            timeout_s=limits.timeout_s,
+            memory_mib=limits.memory_mib,
+            threads=limits.threads,
+            on_progress=progress,
+            accept=(0, NotValid.exit_code),
+        )
+    except InputError as error:
+        # what it cannot use is our own artifact, not the user's file
+        raise StageError(
+            str(error), hint="the artifacts so far are kept; try another scale or other tets"
+        ) from error
     words = next((line.strip() for line in reversed(ended.last_lines) if line.strip()), "")
     statistics = _statistics(ended.stdout, executable.name)
     return ProgramResult(ended.returncode == 0, statistics, ended.seconds, ended.peak_mib, words)

@@ -6,6 +6,7 @@ import datetime
 import hashlib
 import json
 import logging
+import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -13,15 +14,17 @@ from pathlib import Path
 from typing import Any
 
 from neurframe_cli import __version__
-from neurframe_cli.errors import Interrupted, NeurframeError, NotValid, StageError
+from neurframe_cli.errors import NeurframeError, NotValid, StageError, UsageError
 from neurframe_cli.mesh.arrays import Progress
-from neurframe_cli.pipeline.atomic import remove_leftovers, sha256_of
+from neurframe_cli.pipeline.atomic import remove_leftovers, sha256_of, write_error
 from neurframe_cli.pipeline.lock import exclusive
 from neurframe_cli.pipeline.manifest import Manifest, StageRecord, read_manifest, write_manifest
 from neurframe_cli.pipeline.usage import Usage
 from neurframe_cli.pipeline.workspace import Workspace
 
 log = logging.getLogger("neurframe")
+
+UNFINISHED = ""  # in place of the hash of an output whose stage has not finished
 
 
 @dataclass
@@ -75,15 +78,18 @@ def run_stage(workspace: Workspace, step: Step, progress: Progress, *, force: bo
     Raises what the work raises, after the manifest has recorded it, and NotValid where the work (now or when it was
     last done) found its own result invalid.
     """
+    _refuse_overwriting(workspace, step)
     with exclusive(workspace.folder):
         remove_leftovers(workspace.folder)
         manifest = read_manifest(workspace.folder)
         inputs = {label: sha256_of(path) for label, path in step.inputs.items()}
+        _refuse_stale(workspace, step, manifest, inputs)
         key = _key(step, inputs)
         previous = manifest.stages.get(step.name)
         if not force and previous is not None and is_current(workspace, previous, key):
             return _judged(StageOutcome(previous, skipped=True))
         record = StageRecord("running", key, {**step.options, **step.unkeyed_options}, inputs)
+        record.outputs = dict.fromkeys(step.outputs, UNFINISHED)
         record.versions = _versions(step.packages)
         record.started = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
         manifest.stages[step.name] = record
@@ -114,16 +120,20 @@ def is_current(workspace: Workspace, record: StageRecord, key: str) -> bool:
 
 def _carry_out(workspace: Workspace, step: Step, context: StageContext, manifest: Manifest) -> None:
     record = manifest.stages[step.name]
+    before = _made_at(workspace, step)
     usage, started = Usage(), time.perf_counter()
     try:
-        record.report = step.work(context)
+        record.report = _finite(step.work(context))
         record.status, record.error = ("invalid" if context.invalid else "done"), context.invalid
-    except (KeyboardInterrupt, Interrupted):
+    except KeyboardInterrupt:
         record.status, record.error = "interrupted", "interrupted"
         raise
     except MemoryError as error:
         record.status, record.error = "failed", "out of memory"
         raise StageError(f"{step.name}: out of memory", hint="use a larger --edge-length") from error
+    except OSError as error:
+        record.status, record.error = "failed", str(error)
+        raise write_error(workspace.folder, error) from error
     except NeurframeError as error:
         record.status, record.error = "failed", str(error)
         raise
@@ -133,8 +143,56 @@ def _carry_out(workspace: Workspace, step: Step, context: StageContext, manifest
     finally:
         record.seconds = round(time.perf_counter() - started, 3)
         record.cpu_seconds, record.peak_mib = usage.cpu_seconds(), usage.peak_mib()
-        record.outputs = {n: sha256_of(workspace / n) for n in step.outputs if (workspace / n).is_file()}
+        if record.status in ("done", "invalid"):
+            # a picture of an earlier run that this one did not draw again is none of its outputs
+            made = [name for name, when in _made_at(workspace, step).items() if when != before.get(name)]
+            record.outputs = {name: sha256_of(workspace / name) for name in made}
         write_manifest(workspace.folder, manifest)
+
+
+def _refuse_overwriting(workspace: Workspace, step: Step) -> None:
+    """Raises UsageError where the stage would write over one of its own inputs."""
+    inputs = {path.resolve() for path in step.inputs.values()}
+    for name in step.outputs:
+        if (workspace / name).resolve() in inputs:
+            raise UsageError(
+                f"{step.name} would write over its input {workspace / name}", hint="choose another -w"
+            )
+
+
+def _made_at(workspace: Workspace, step: Step) -> dict[str, int]:
+    """When each output that is there was last written, in nanoseconds."""
+    paths = {name: workspace / name for name in step.outputs}
+    return {name: path.stat().st_mtime_ns for name, path in paths.items() if path.is_file()}
+
+
+def _finite(value: Any) -> Any:
+    """The value with null in place of infinities and NaN, which JSON has no words for."""
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _refuse_stale(workspace: Workspace, step: Step, manifest: Manifest, inputs: Mapping[str, str]) -> None:
+    """Raises UsageError where an input comes from an unfinished stage, or from other files than those there now."""
+    for label in inputs:
+        for name, record in manifest.stages.items():
+            if name == step.name or label not in record.outputs:
+                continue
+            if record.status not in ("done", "invalid"):
+                raise UsageError(
+                    f"{label} comes from a {name} that did not finish", hint=f"run `neurframe {name}` again"
+                )
+            if record.outputs[label] != inputs[label]:
+                continue  # the user has put another file there, and knows what for
+            for source, digest in record.inputs.items():
+                if (workspace / source).is_file() and sha256_of(workspace / source) != digest:
+                    raise UsageError(
+                        f"{label} was made from another {source} than the one there now",
+                        hint=f"run `neurframe {name}` again",
+                    )
 
 
 def _key(step: Step, inputs: Mapping[str, str]) -> str:

@@ -16,7 +16,7 @@ from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.stages.tetize import TetizeOptions, TetizeResult, tetize
 
 SURFACE, TETS, FEATURES = "surface.ply", "tets.mesh", "features.json"
-_UNKEYED = ("timeout_s", "memory_mib", "threads")  # limits do not change what is made
+_UNKEYED = ("threads",)  # the limits count: where they are hit, coarser tets are made
 
 
 def tetize_step(model: Path, features: Path | None, options: TetizeOptions) -> Step:

@@ -60,6 +60,7 @@ class _Journal:
     def __init__(self, checkpoint: Path, log: Path, context: StageContext) -> None:
         self._checkpoint, self._log, self._context = checkpoint, log, context
         self._records: list[str] = []
+        self._begun = False
 
     def read(self) -> bytes | None:
         """The last checkpoint, None before the first; its log lines come back with it."""
@@ -75,6 +76,9 @@ class _Journal:
         self._write_log()
 
     def log(self, record: dict[str, Any]) -> None:
+        if not self._begun and record.get("event") != "resumed":
+            self._records.clear()  # the checkpoint that was read belongs to another run
+        self._begun = True
         self._records.append(json.dumps(record, allow_nan=False, sort_keys=True))
 
     def forget(self) -> None:

@@ -114,7 +114,7 @@ class _Watch:
                 time.sleep(POLL_S)
             self._check_limits()
         while self.output.is_open and self.output.read(POLL_S):
-            pass
+            self._check_limits()
 
     def has_ended(self) -> bool:
         """Collects the child when it is done, with what it used."""
