@@ -35,7 +35,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch:
         failures = sum(
             kill_stage(stage, arguments, Path(scratch) / stage, random.Random(arguments.seed))
-            for stage in ("tetize", "train")
+            for stage in arguments.stages
         )
     sys.exit(1 if failures else 0)
 
@@ -48,6 +48,7 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--edge-length", default="0.05")
+    parser.add_argument("--stages", nargs="+", choices=list(OUTPUTS), default=list(OUTPUTS))
     return parser.parse_args()
 
 
