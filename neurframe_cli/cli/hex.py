@@ -8,17 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from neurframe_cli.cli.command import StageCommand
-from neurframe_cli.cli.options import (
-    count_option,
-    edge_length_option,
-    feature_angle_option,
-    force_option,
-    limit_options,
-    output_option,
-    pictures_option,
-    scale_option,
-    workspace_option,
-)
+from neurframe_cli.cli.options import force_option, mesh_options, workspace_option
 
 if TYPE_CHECKING:
     from neurframe_cli.cli.console import Console
@@ -26,13 +16,7 @@ if TYPE_CHECKING:
 
 @click.command(name="hex", cls=StageCommand)
 @workspace_option
-@scale_option
-@edge_length_option
-@count_option("--target-cells", "hexes")
-@feature_angle_option
-@output_option
-@pictures_option
-@limit_options(1800.0, "each program")
+@mesh_options("--target-cells", "hexes")
 @force_option
 def command(workspace: Path | None, force: bool, threads: int, console: Console, **values: Any) -> None:
     """Parametrise the tets along the frames (CubeCover), extract the hexes (HexEx), smooth and check them.

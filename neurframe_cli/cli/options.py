@@ -205,3 +205,16 @@ edge_length_option = click.option(
 def count_option(name: str, elements: str) -> Callable[[Command], Command]:
     """How many elements there shall be."""
     return click.option(name, "count", type=click.IntRange(1), help=f"About how many {elements}.")
+
+
+def mesh_options(count_name: str, elements: str) -> Callable[[Command], Command]:
+    """What `quad` and `hex` can be told."""
+    return options(
+        scale_option,
+        edge_length_option,
+        count_option(count_name, elements),
+        feature_angle_option,
+        output_option,
+        pictures_option,
+        limit_options(1800.0, "each program"),
+    )
