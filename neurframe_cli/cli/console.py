@@ -20,11 +20,11 @@ if TYPE_CHECKING:  # arrays.py loads numpy, which --help has no time for
     from neurframe_cli.mesh.arrays import Progress
 
 PLAIN_INTERVAL_S = 10.0
-_LEVELS = {-1: logging.WARNING, 0: logging.INFO, 1: logging.INFO}
+_LEVELS = {-1: logging.WARNING, 0: logging.INFO}
 
 
 class Console:
-    """Owner of the log handlers and of the progress display; verbosity -1 quiet, 0 normal, 1 verbose, 2 debug."""
+    """Owner of the log handlers and of the progress display; verbosity -1 quiet, 0 normal, 1 with debugging."""
 
     def __init__(self, verbosity: int, log_json: Path | None = None) -> None:
         self.verbosity = verbosity

@@ -15,7 +15,9 @@ _THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS
 def GLOBAL_OPTIONS() -> list[click.Option]:
     """Fresh option objects (click binds an option to one command)."""
     return [
-        click.Option(["-v", "--verbose"], count=True, help="Say more; -vv for debugging."),
+        click.Option(
+            ["-v", "--verbose"], is_flag=True, help="Say more: what is skipped or done again, and why."
+        ),
         click.Option(["-q", "--quiet"], is_flag=True, help="No progress, only warnings and errors."),
         click.Option(
             ["--log-json"],
@@ -33,7 +35,7 @@ def GLOBAL_OPTIONS() -> list[click.Option]:
 
 @dataclass(frozen=True)
 class Settings:
-    """Values of the global options; verbosity: -1 quiet, 0 normal, 1 info, 2 debug."""
+    """Values of the global options; verbosity: -1 quiet, 0 normal, 1 with debugging."""
 
     verbosity: int = 0
     log_json: Path | None = None
@@ -42,7 +44,7 @@ class Settings:
 
     @classmethod
     def from_options(cls, values: dict[str, Any]) -> Settings:
-        verbosity = -1 if values.get("quiet") else int(values.get("verbose") or 0)
+        verbosity = -1 if values.get("quiet") else int(bool(values.get("verbose")))
         return cls(verbosity, values.get("log_json"), values.get("config"), values.get("threads"))
 
     def merged(self, later: Settings) -> Settings:

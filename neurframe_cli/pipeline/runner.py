@@ -86,6 +86,7 @@ def run_stage(workspace: Workspace, step: Step, progress: Progress, *, force: bo
         _refuse_stale(workspace, step, manifest, inputs)
         key = _key(step, inputs)
         previous = manifest.stages.get(step.name)
+        log.debug("%s: options %s, inputs %s", step.name, dict(step.options), inputs)
         if not force and previous is not None and is_current(workspace, previous, key):
             return _judged(StageOutcome(previous, skipped=True))
         record = StageRecord("running", key, {**step.options, **step.unkeyed_options}, inputs)
@@ -107,6 +108,7 @@ def _judged(outcome: StageOutcome) -> StageOutcome:
 def is_current(workspace: Workspace, record: StageRecord, key: str) -> bool:
     """Whether a stage's outputs are all there with the hashes recorded, made under the same key."""
     if record.status not in ("done", "invalid") or record.key != key:
+        log.debug("done again: the last run was %s, its key %.8s, now %.8s", record.status, record.key, key)
         return False
     for name, digest in record.outputs.items():
         path = workspace / name
