@@ -37,6 +37,8 @@ def train_step(workspace: Workspace, options: TrainOptions, *, fresh: bool = Fal
         with atomic_path(context.workspace / FIELD) as path:
             path.write_bytes(field_to_bytes(result.field))
         journal.finish()
+        if result.report["stopped_by_time_budget"]:
+            context.warn(f"the time budget ended training early, at a loss of {result.report['losses']['total']:.3g}")
         return result.report
 
     return Step(
