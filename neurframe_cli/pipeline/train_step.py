@@ -38,7 +38,9 @@ def train_step(workspace: Workspace, options: TrainOptions, *, fresh: bool = Fal
             path.write_bytes(field_to_bytes(result.field))
         journal.finish()
         if result.report["stopped_by_time_budget"]:
-            context.warn(f"the time budget ended training early, at a loss of {result.report['losses']['total']:.3g}")
+            context.warn(
+                f"the time budget ended training early, at a loss of {result.report['losses']['total']:.3g}"
+            )
         return result.report
 
     return Step(
