@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from neurframe_cli.errors import InvalidMesh, NotValid
+from neurframe_cli.errors import InvalidMesh, NotValid, StageError
 from neurframe_cli.mesh.arrays import Features, Progress, Surface
 from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
@@ -64,7 +64,7 @@ def mesh_step(kind: MeshKind, inputs: Mapping[str, Path], request: MeshRequest) 
     def work(context: StageContext) -> dict[str, Any]:
         surface = read_surface(inputs[SURFACE])
         parametrization = _parametrize(kind, context, inputs, surface, request)
-        extraction, raw = _extract(kind, context, request.limits)
+        extraction, raw = _extract(kind, context, request.limits, parametrization)
         features = features_by_angle(surface.V, surface.F, request.feature_angle_deg)
         smoothed = _smooth(raw, surface, features, _part(context.progress, 0.7, 0.9))
         verdict = _write(kind, context, CellMesh(kind.name, smoothed.V, raw.cells), surface, features)
@@ -111,17 +111,23 @@ def _parametrize(
         )
 
 
-def _extract(kind: MeshKind, context: StageContext, limits: Limits) -> tuple[ProgramResult, CellMesh]:
+def _extract(
+    kind: MeshKind, context: StageContext, limits: Limits, parametrization: ProgramResult
+) -> tuple[ProgramResult, CellMesh]:
+    """The cells of the map; raises NotValid where there are none, or where a flawed map cannot be read."""
     with scratch_folder(context.workspace.folder) as scratch:
         raw = scratch / ("quads.obj" if kind.name == "quad" else "hexes.mesh")
         arguments: list[str | Path] = [context.workspace / kind.map_name, "-o", raw]
-        result = run_program(kind.extractor, arguments, limits, _part(context.progress, 0.5, 0.7))
         try:
+            result = run_program(kind.extractor, arguments, limits, _part(context.progress, 0.5, 0.7))
             return result, read_cells(raw)
-        except InvalidMesh as error:
+        except (InvalidMesh, StageError) as error:
+            if isinstance(error, StageError) and parametrization.complete:
+                raise
+            reasons = "; ".join([*_flaws(parametrization), str(error)])
             raise NotValid(
-                f"no {kind.name} mesh could be extracted from the map: {result.last_words or 'it has no cells'}",
-                hint=f"{kind.map_name} is kept; try another scale",
+                f"no {kind.name} mesh could be extracted from the map: {reasons}",
+                hint=f"{kind.map_name} is kept; try another scale, or another field (train --project)",
             ) from error
 
 
@@ -154,7 +160,23 @@ def _what_is_wrong(
     """One line, None where the mesh is valid."""
     if verdict.valid:
         return None
-    told = [result.last_words for result in (parametrization, extraction) if not result.complete]
-    return "; ".join(
-        [f"the {kind.name} mesh is not valid: {', '.join(verdict.problems)}", *filter(None, told)]
-    )
+    told = [*_flaws(parametrization), *_flaws(extraction)]
+    return "; ".join([f"the {kind.name} mesh is not valid: {', '.join(verdict.problems)}", *told])
+
+
+def _flaws(result: ProgramResult) -> list[str]:
+    """What a program that ended with exit code 4 says of its result: its last words, and the defects that it found."""
+    if result.complete:
+        return []
+    found = result.statistics.get("defects", {})
+    counted = {name: entry for name, entry in found.items() if entry.get("count")}
+    told = [f"{entry['count']} x {name}{_place(entry)}" for name, entry in counted.items()]
+    return [
+        *filter(None, [result.last_words]),
+        *([f"defects of the field: {', '.join(told)}"] if told else []),
+    ]
+
+
+def _place(entry: Mapping[str, Any]) -> str:
+    places = entry.get("places")
+    return f" (the first at {', '.join(f'{x:.4g}' for x in places[0])})" if places else ""
