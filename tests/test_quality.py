@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,8 @@ from neurframe_cli.mesh.quality.check import CheckOptions, check_hexes, check_qu
 from neurframe_cli.mesh.quality.feature_recall import feature_recall
 from neurframe_cli.mesh.quality.polygons import euler_characteristic, triangulated, unique_edges
 from neurframe_cli.mesh.quality.scaled_jacobian import hex_scaled_jacobians, quad_scaled_jacobians
+
+Spoil = Callable[[Floats, Ints], tuple[Floats, Ints]]
 
 
 def hex_grid(n: int) -> tuple[Floats, Ints]:
@@ -89,7 +93,9 @@ def test_mirrored_hex_and_folded_quad_are_inverted() -> None:
         (lambda V, H: (np.concatenate([V, V + 3]), np.concatenate([H, H + len(V)])), "components"),
     ],
 )
-def test_each_defect_of_a_hex_mesh_is_named(cube: tuple[Surface, Features], spoil, problem: str) -> None:  # type: ignore[no-untyped-def]
+def test_each_defect_of_a_hex_mesh_is_named(
+    cube: tuple[Surface, Features], spoil: Spoil, problem: str
+) -> None:
     verdict = check_hexes(*spoil(*hex_grid(3)), *cube, CheckOptions())
     assert any(problem in found for found in verdict.problems)
 

@@ -27,7 +27,6 @@ _PACKAGES = (
     "pyvista",
     "numpy",
     "scipy",
-    "highspy",
     "safetensors",
 )
 
