@@ -4,7 +4,8 @@
 
 Appends one JSON line per file to OUTPUT.jsonl and writes OUTPUT.md at the end; files that are already in the JSON
 lines are skipped, so a killed run goes on where it was.  Each file is a process of its own and is judged by what it
-leaves behind: the exit code, and the tet mesh read back and checked here.
+leaves behind: the exit code, and the tet mesh read back and checked here.  Large files first, so that no long job
+is left over for the end.  --keep FOLDER keeps the workspaces; mesh_table.py goes on from them.
 """
 
 from __future__ import annotations
@@ -30,7 +31,9 @@ def main() -> int:
     options = _arguments()
     lines = options.output.with_suffix(".jsonl")
     known = {row["file"] for row in _rows(lines)}
-    files = sorted({f for folder in options.folders for f in folder.rglob("*") if f.is_file()}, key=_size)
+    files = sorted(
+        {f for folder in options.folders for f in folder.rglob("*") if f.is_file()}, key=_size, reverse=True
+    )
     todo = [file for file in files if str(file) not in known]
     print(f"{len(files)} files, {len(files) - len(todo)} known, {len(todo)} to do", flush=True)
     with ThreadPoolExecutor(options.jobs) as pool, lines.open("a", encoding="utf-8") as out:
@@ -51,7 +54,8 @@ def _one(file: Path, options: argparse.Namespace) -> dict[str, Any]:
     """Runs the command on one file and looks at what is left."""
     started = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="tetize-table-") as folder:
-        workspace = Path(folder) / "work.neurframe"
+        workspace = (options.keep or Path(folder)) / f"{file.parent.name}-{file.name}.neurframe"
+        workspace.parent.mkdir(parents=True, exist_ok=True)
         command = [sys.executable, "-m", "neurframe_cli", "tetize", file, "-w", workspace, "-q"]
         command += ["--edge-length", str(options.edge_length), "--timeout", str(options.timeout)]
         row: dict[str, Any] = {"file": str(file), "code": -1, "tets": 0, "defect": "", "words": ""}
@@ -145,6 +149,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--edge-length", type=float, default=0.025)
     parser.add_argument("--timeout", type=float, default=600.0)
     parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--keep", type=Path, help="folder in which the workspaces stay")
     return parser.parse_args()
 
 

@@ -95,6 +95,19 @@ def test_time_limit() -> None:
     assert time.monotonic() - started < 5
 
 
+def ends_within(pid: int, seconds: float) -> bool:
+    """True once the process is gone, or is a zombie that nobody has collected."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        try:
+            if psutil.Process(pid).status() == psutil.STATUS_ZOMBIE:
+                return True
+        except psutil.NoSuchProcess:
+            return True
+        time.sleep(0.05)
+    return False
+
+
 def test_a_child_that_ignores_term_is_killed_with_its_children(tmp_path: object) -> None:
     code = f"""
         import signal, subprocess, sys, time
@@ -107,7 +120,7 @@ def test_a_child_that_ignores_term_is_killed_with_its_children(tmp_path: object)
         run(code, timeout_s=1.5)
     with open(f"{tmp_path}/pid") as file:
         grandchild = int(file.read())
-    assert not psutil.pid_exists(grandchild) or psutil.Process(grandchild).status() == psutil.STATUS_ZOMBIE
+    assert ends_within(grandchild, seconds=10)  # a process that got SIGKILL still has to be scheduled to die
 
 
 def test_exit_codes() -> None:
