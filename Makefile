@@ -10,7 +10,9 @@ PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 JOBS ?= $(shell nproc)
 export CMAKE_BUILD_PARALLEL_LEVEL ?= $(JOBS)
 
-.PHONY: install demo test lint types pytest ctest format samples clean
+DOCKER ?= docker
+
+.PHONY: install demo test lint types pytest ctest format samples docker docker-cuda clean
 
 install: $(VENV)/.package
 
@@ -56,6 +58,12 @@ format: $(VENV)/.dependencies
 
 samples: install
 	$(BIN)/python samples/make_samples.py
+
+docker:
+	$(DOCKER) build -f docker/Dockerfile -t neurframe --build-arg TORCH_INDEX=https://download.pytorch.org/whl/cpu .
+
+docker-cuda:
+	$(DOCKER) build -f docker/Dockerfile -t neurframe:cuda .
 
 clean:
 	rm -rf build demo $(VENV)
