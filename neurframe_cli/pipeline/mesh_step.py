@@ -1,4 +1,4 @@
-"""What quad and hex share on files: parametrize -> map -> extract -> smooth -> write -> read back and check."""
+"""What quad and hex share on files: map -> extract, and then write -> read back and check."""
 
 from __future__ import annotations
 
@@ -10,10 +10,8 @@ from typing import Any, Literal
 from neurframe_cli.errors import InvalidMesh, NotValid, StageError
 from neurframe_cli.mesh.arrays import Features, Progress, Surface
 from neurframe_cli.mesh.features import features_by_angle
-from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
 from neurframe_cli.mesh.quality.check import Verdict
 from neurframe_cli.mesh.read_cells import CellMesh, read_cells
-from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.mesh.write_cells import write_cells
 from neurframe_cli.picture.mesh_data import MeshData
 from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
@@ -22,10 +20,7 @@ from neurframe_cli.pipeline.native import Limits, ProgramResult, run_program
 from neurframe_cli.pipeline.pictures import draw_or_warn
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.sizing import ElementSize
-from neurframe_cli.pipeline.tetize_step import SURFACE
 from neurframe_cli.pipeline.workspace import Workspace
-from neurframe_cli.stages.smooth_hexes import smooth_hexes
-from neurframe_cli.stages.smooth_quads import smooth_quads
 
 
 @dataclass(frozen=True)
@@ -39,42 +34,64 @@ class MeshRequest:
 
 
 @dataclass(frozen=True)
+class Model:
+    """The surface that a mesh is made of and checked against, and its features."""
+
+    surface: Surface
+    features: Features
+
+
+@dataclass(frozen=True)
+class MadeMesh:
+    """A mesh before it is written: what the two programs said, and what else belongs into the report."""
+
+    cells: CellMesh
+    parametrization: ProgramResult
+    extraction: ProgramResult
+    report: Mapping[str, Any]
+
+
+# make(context, inputs, model, request)
+Maker = Callable[[StageContext, Mapping[str, Path], Model, MeshRequest], MadeMesh]
+
+
+@dataclass(frozen=True)
 class MeshKind:
     """How one kind of mesh is made.
 
-    outputs: its files in the workspace, the first one is read back for the check; pictures: by name of the drawing;
-    count_option: of the parametrizing
-    program; parametrize(context, inputs, arguments, map path, limits, progress) runs that program.
+    outputs: its files in the workspace, the first one is read back for the check; pictures: file by name of the
+    drawing; extractor: the program that reads the map.
     """
 
     name: Literal["quad", "hex"]
     map_name: str
     outputs: tuple[str, ...]
-    count_option: str
     extractor: str
     pictures: Mapping[str, str]
-    parametrize: Callable[
-        [StageContext, Mapping[str, Path], list[str], Path, Limits, Progress], ProgramResult
-    ]
+    make: Maker
 
 
-def mesh_step(kind: MeshKind, inputs: Mapping[str, Path], request: MeshRequest) -> Step:
-    """The stage bound to its files; `inputs` has the surface among them."""
+def mesh_step(
+    kind: MeshKind,
+    inputs: Mapping[str, Path],
+    request: MeshRequest,
+    read_model: Callable[[], Surface],
+    options: Mapping[str, Any],
+) -> Step:
+    """The stage bound to its files; read_model() gives the surface; `options` are those of this kind alone."""
 
     def work(context: StageContext) -> dict[str, Any]:
-        surface = read_surface(inputs[SURFACE])
-        parametrization = _parametrize(kind, context, inputs, surface, request)
-        extraction, raw = _extract(kind, context, request.limits, parametrization)
+        surface = read_model()
         features = features_by_angle(surface.V, surface.F, request.feature_angle_deg)
-        smoothed = _smooth(raw, surface, features, _part(context.progress, 0.7, 0.9))
-        verdict = _write(kind, context, CellMesh(kind.name, smoothed.V, raw.cells), surface, features)
+        made = kind.make(context, inputs, Model(surface, features), request)
+        verdict = _write(kind, context, made.cells, surface, features)
         if request.pictures:
-            draw_or_warn(context, kind.pictures, MeshData(smoothed.V, raw.cells))
-        context.invalid = _what_is_wrong(kind, parametrization, extraction, verdict)
+            draw_or_warn(context, kind.pictures, MeshData(made.cells.V, made.cells.cells))
+        context.invalid = _what_is_wrong(kind, made, verdict)
         return {
-            "parametrization": parametrization.statistics,
-            "extraction": extraction.statistics,
-            "smoothing": asdict(smoothed.report),
+            "parametrization": made.parametrization.statistics,
+            "extraction": made.extraction.statistics,
+            **made.report,
             "mesh": verdict.numbers,
             "problems": verdict.problems,
         }
@@ -88,6 +105,7 @@ def mesh_step(kind: MeshKind, inputs: Mapping[str, Path], request: MeshRequest) 
             **asdict(request.size),
             "feature_angle_deg": request.feature_angle_deg,
             "pictures": request.pictures,
+            **options,
         },
         unkeyed_options=asdict(request.limits),
         work=work,
@@ -95,31 +113,20 @@ def mesh_step(kind: MeshKind, inputs: Mapping[str, Path], request: MeshRequest) 
     )
 
 
-def _part(progress: Progress, begin: float, end: float) -> Progress:
+def part(progress: Progress, begin: float, end: float) -> Progress:
     """Progress of a step that is the part from `begin` to `end` of the whole."""
     return lambda fraction, text: progress(begin + (end - begin) * fraction, text)
 
 
-def _parametrize(
-    kind: MeshKind, context: StageContext, inputs: Mapping[str, Path], surface: Surface, request: MeshRequest
-) -> ProgramResult:
-    size = request.size.arguments(surface, kind.count_option)
-    size += ["--feature-angle", repr(request.feature_angle_deg)]
-    with atomic_path(context.workspace / kind.map_name) as path:
-        return kind.parametrize(
-            context, inputs, size, path, request.limits, _part(context.progress, 0.0, 0.5)
-        )
-
-
-def _extract(
-    kind: MeshKind, context: StageContext, limits: Limits, parametrization: ProgramResult
+def extract(
+    kind: MeshKind, context: StageContext, limits: Limits, parametrization: ProgramResult, progress: Progress
 ) -> tuple[ProgramResult, CellMesh]:
     """The cells of the map; raises NotValid where there are none, or where a flawed map cannot be read."""
     with scratch_folder(context.workspace.folder) as scratch:
         raw = scratch / ("quads.obj" if kind.name == "quad" else "hexes.mesh")
         arguments: list[str | Path] = [context.workspace / kind.map_name, "-o", raw]
         try:
-            result = run_program(kind.extractor, arguments, limits, _part(context.progress, 0.5, 0.7))
+            result = run_program(kind.extractor, arguments, limits, progress)
             return result, read_cells(raw)
         except (InvalidMesh, StageError) as error:
             if isinstance(error, StageError) and parametrization.complete:
@@ -129,11 +136,6 @@ def _extract(
                 f"no {kind.name} mesh could be extracted from the map: {reasons}",
                 hint=f"{kind.map_name} is kept; try another scale, or another field (train --project)",
             ) from error
-
-
-def _smooth(raw: CellMesh, surface: Surface, features: Features, progress: Progress) -> SmoothedMesh:
-    smooth = smooth_quads if raw.kind == "quad" else smooth_hexes
-    return smooth(raw.V, raw.cells, surface, features, SmoothOptions(), progress)
 
 
 def _write(
@@ -154,13 +156,11 @@ def export_mesh(workspace: Workspace, kind: MeshKind, output: Path) -> None:
         write_cells(temporary, mesh)
 
 
-def _what_is_wrong(
-    kind: MeshKind, parametrization: ProgramResult, extraction: ProgramResult, verdict: Verdict
-) -> str | None:
+def _what_is_wrong(kind: MeshKind, made: MadeMesh, verdict: Verdict) -> str | None:
     """One line, None where the mesh is valid."""
     if verdict.valid:
         return None
-    told = [*_flaws(parametrization), *_flaws(extraction)]
+    told = [*_flaws(made.parametrization), *_flaws(made.extraction)]
     return "; ".join([f"the {kind.name} mesh is not valid: {', '.join(verdict.problems)}", *told])
 
 

@@ -18,15 +18,22 @@ class ElementSize:
     edge_length: float | None = None
     count: int | None = None
 
+    def length(self, surface: Surface) -> float:
+        """The target edge length; of a count, that of so many squares with the area of the surface."""
+        if self.count is not None:
+            A, B, C = (surface.V[surface.F[:, i]] for i in range(3))
+            area = float(np.linalg.norm(np.cross(B - A, C - A), axis=1).sum()) / 2
+            return float(np.sqrt(area / self.count))
+        if self.edge_length is not None:
+            return self.edge_length
+        assert self.scale is not None, "element_size() sets one of the three"
+        return float(np.linalg.norm(np.ptp(surface.V, axis=0))) / self.scale
+
     def arguments(self, surface: Surface, count_option: str) -> list[str]:
         """The size as the programs take it: an edge length, or a count behind `count_option`."""
         if self.count is not None:
             return [count_option, str(self.count)]
-        length = self.edge_length
-        if length is None:
-            assert self.scale is not None, "element_size() sets one of the three"
-            length = float(np.linalg.norm(np.ptp(surface.V, axis=0))) / self.scale
-        return ["--edge-length", repr(length)]
+        return ["--edge-length", repr(self.length(surface))]
 
 
 def element_size(
