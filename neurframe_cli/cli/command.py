@@ -7,11 +7,13 @@ from typing import Any
 
 import click
 
-from neurframe_cli.cli.configuration import config_files, defaults_for
+from neurframe_cli.cli.configuration import config_files, configured_executables, defaults_for
 from neurframe_cli.cli.console import Console
 from neurframe_cli.cli.settings import GLOBAL_OPTIONS, Settings
+from neurframe_cli.errors import UsageError
 
 _GLOBAL_NAMES = [option.name or "" for option in GLOBAL_OPTIONS()]
+_FILES = "neurframe_cli.config_files"  # key in the context's meta
 
 
 class StageCommand(click.Command):
@@ -24,34 +26,48 @@ class StageCommand(click.Command):
     def make_context(
         self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
     ) -> click.Context:
-        """Lay the config files under the command line before it is parsed."""
+        """Lay the config files under the command line."""
+        if extra.get("resilient_parsing"):  # click completes a line for a shell
+            return super().make_context(info_name, args, parent, **extra)
+        # which files apply is known from the command line: it is read once only for that, without complaints
+        first = super().make_context(info_name, list(args), parent, resilient_parsing=True, **extra).params
         before: Settings = parent.obj if parent is not None and parent.obj else Settings()
-        explicit = _peek(args, "--config") or before.config
-        files = config_files(explicit, _peek(args, "-w", "--workspace"))
+        files = config_files(first.get("config") or before.config, self._workspace(first))
         if files:
             from neurframe_cli.cli.main import COMMANDS
 
             extra["default_map"] = defaults_for(self, files, list(COMMANDS))
-        return super().make_context(info_name, args, parent, **extra)
+        context = super().make_context(info_name, args, parent, **extra)
+        context.meta[_FILES] = files
+        return context
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the callback with a console and the number of threads."""
         own = Settings.from_options({name: ctx.params.pop(name, None) for name in _GLOBAL_NAMES})
         settings = (ctx.obj or Settings()).merged(own)
         ctx.params["threads"] = settings.apply_threads()
-        with Console(settings.verbosity, settings.log_json) as console:
+        with (
+            Console(settings.verbosity, settings.log_json) as console,
+            configured_executables(ctx.meta[_FILES]),
+        ):
             ctx.params["console"] = console
             return super().invoke(ctx)
 
+    def _workspace(self, values: dict[str, Any]) -> Path | None:
+        """The workspace that the command will work in, None where it has none, or will say itself what is wrong."""
+        from neurframe_cli.pipeline.workspace import find_workspace, workspace_folder
 
-def _peek(args: list[str], *names: str) -> Path | None:
-    """The value of an option in unparsed arguments: click has not seen them yet when config files are chosen."""
-    for index, argument in enumerate(args):
-        for name in names:
-            if argument == name and index + 1 < len(args):
-                return Path(args[index + 1])
-            if name.startswith("--") and argument.startswith(name + "="):
-                return Path(argument.partition("=")[2])
-            if len(name) == 2 and argument.startswith(name) and len(argument) > 2:
-                return Path(argument[2:])
-    return None
+        if "workspace" not in values:
+            return None
+        if values.get("model") is not None:
+            return workspace_folder(values["model"], values["workspace"])
+        try:
+            return find_workspace(values["workspace"]).folder
+        except UsageError:
+            return None
+
+
+def config_files_of(ctx: click.Context) -> list[Path]:
+    """The config files that lie under the command line of `ctx`, strongest first."""
+    files: list[Path] = ctx.meta[_FILES]
+    return files

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
+import os
+import shutil
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
 from neurframe_cli.errors import UnreadableFile, UsageError
+from neurframe_cli.pipeline.executables import PROGRAMS, variable_of
 
 CONFIG_NAME = "neurframe.toml"
+EXECUTABLES = "executables"  # the table that names other programs in place of ours
 
 
 def config_files(explicit: Path | None, workspace: Path | None) -> list[Path]:
@@ -43,11 +48,11 @@ def defaults_for(
     command: click.Command, files: Sequence[Path], known_commands: Sequence[str]
 ) -> dict[str, Any]:
     """Option values for `command` from `files`, by parameter name; an unknown table or key is an error."""
-    options = {_key(option): option for option in command.params if isinstance(option, click.Option)}
+    options = {config_key(option): option for option in command.params if isinstance(option, click.Option)}
     values: dict[str, Any] = {}
     for path in reversed(files):
         for name, table in read_config(path).items():
-            _expect(name, known_commands, f"config file {path}: there is no command {name!r}")
+            _expect(name, [*known_commands, EXECUTABLES], f"config file {path}: there is no command {name!r}")
             if name != command.name:
                 continue
             for key, value in table.items():
@@ -60,6 +65,39 @@ def defaults_for(
     return values
 
 
+@contextlib.contextmanager
+def configured_executables(files: Sequence[Path]) -> Iterator[None]:
+    """Put the programs of the [executables] tables in place of ours; an environment variable beats the files.
+
+    They travel as environment variables, so that the processes that a command starts see them too.
+    """
+    found = {variable_of(name): path for name, path in read_executables(files).items()}
+    ours = {variable: path for variable, path in found.items() if not os.environ.get(variable)}
+    os.environ.update(ours)
+    try:
+        yield
+    finally:
+        for variable in ours:
+            del os.environ[variable]
+
+
+def read_executables(files: Sequence[Path]) -> dict[str, str]:
+    """Program -> path from the [executables] tables; relative paths count from the file that names them.
+
+    Raises UsageError where a name is none of PROGRAMS or the file is not executable.
+    """
+    chosen: dict[str, str] = {}
+    for path in reversed(files):
+        for name, value in read_config(path).get(EXECUTABLES, {}).items():
+            _expect(name, PROGRAMS, f"config file {path}: there is no program {name!r}")
+            named = str(path.parent.resolve() / str(value)) if os.sep in str(value) else str(value)
+            found = shutil.which(named)
+            if found is None:
+                raise UsageError(f"config file {path}: {name} = {value!r} is not an executable file")
+            chosen[name] = found
+    return chosen
+
+
 def _takes(option: click.Option, value: Any) -> bool:
     """Whether a TOML value is of the option's kind: a flag takes true or false, which are no numbers elsewhere."""
     if option.is_flag or isinstance(value, bool):
@@ -69,7 +107,8 @@ def _takes(option: click.Option, value: Any) -> bool:
     return isinstance(value, int | float if isinstance(option.type, click.FloatRange) else str)
 
 
-def _key(option: click.Option) -> str:
+def config_key(option: click.Option) -> str:
+    """What a config file calls an option: its long name."""
     return max(option.opts, key=len).lstrip("-")
 
 

@@ -11,12 +11,15 @@ from types import FrameType
 from typing import Any
 
 import click
+from click.shell_completion import shell_complete
 
 from neurframe_cli import __version__
 from neurframe_cli.cli.settings import GLOBAL_OPTIONS, Settings
 from neurframe_cli.errors import NeurframeError
 
 INTERRUPTED = 130
+PROGRAM = "neurframe"
+COMPLETE_VARIABLE = "_NEURFRAME_COMPLETE"  # set by the completion script that a shell has loaded
 
 # command -> what the help says; the module neurframe_cli.cli.NAME has a click command called `command`
 COMMANDS = {
@@ -30,6 +33,8 @@ COMMANDS = {
     "hex": "Hex mesh from the frames: integer-grid map, extraction, smoothing, check.",
     "check": "Validity and quality of a quad or hex mesh against its input.",
     "doctor": "What is installed here, and does it work.",
+    "config": "The options in force here, as a config file.",
+    "completion": "Completion of commands and options for a shell.",
 }
 
 
@@ -58,7 +63,7 @@ class LazyGroup(click.Group):
     epilog="Exit codes: 0 done, 2 unusable input or wrong options, 3 a stage failed, 4 finished but the mesh is not "
     "valid, 124 timed out, 130 interrupted.",
 )
-@click.version_option(__version__, prog_name="neurframe")
+@click.version_option(__version__, prog_name=PROGRAM)
 @click.pass_context
 def group(ctx: click.Context, /, **values: Any) -> None:
     """Turn any surface mesh into a clean quad mesh or hex mesh, guided by a learned continuous frame field."""
@@ -68,10 +73,16 @@ def group(ctx: click.Context, /, **values: Any) -> None:
 def run_command_line(arguments: Sequence[str]) -> int:
     """Run `neurframe ARGUMENTS`; returns the exit code, after one line on stderr where it is not 0."""
     signal.signal(signal.SIGTERM, _interrupt)
+    instruction = os.environ.get(COMPLETE_VARIABLE)
+    if instruction is not None:
+        return shell_complete(group, {}, PROGRAM, COMPLETE_VARIABLE, instruction)
     try:
-        returned = group.main(args=list(arguments), prog_name="neurframe", standalone_mode=False)
+        with group.make_context(PROGRAM, list(arguments)) as context:
+            returned = group.invoke(context)
         sys.stdout.flush()
         return returned if isinstance(returned, int) else 0
+    except click.exceptions.Exit as ended:
+        return ended.exit_code
     except click.ClickException as error:
         error.show()
         return error.exit_code

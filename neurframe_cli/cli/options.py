@@ -218,3 +218,14 @@ def mesh_options(count_name: str, elements: str) -> Callable[[Command], Command]
         pictures_option,
         limit_options(1800.0, "each program"),
     )
+
+
+def continuous_options(samples: int, what: str) -> Callable[[Command], Command]:
+    """What `singularities` and `streamlines` can be told; `what` the samples are."""
+    return options(
+        workspace_option,
+        click.option("--samples", type=click.IntRange(1), default=samples, show_default=True, help=what),
+        pictures_option,
+        seed_option,
+        force_option,
+    )

@@ -8,24 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from neurframe_cli.cli.command import StageCommand
-from neurframe_cli.cli.options import force_option, pictures_option, seed_option, workspace_option
+from neurframe_cli.cli.options import continuous_options
 
 if TYPE_CHECKING:
     from neurframe_cli.cli.console import Console
 
 
 @click.command(name="singularities", cls=StageCommand)
-@workspace_option
-@click.option(
-    "--samples",
-    type=click.IntRange(1),
-    default=2000,
-    show_default=True,
-    help="Random triangles that the search begins with.",
-)
-@pictures_option
-@seed_option
-@force_option
+@continuous_options(2000, "Random triangles that the search begins with.")
 def command(
     workspace: Path | None,
     samples: int,

@@ -8,24 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from neurframe_cli.cli.command import StageCommand
-from neurframe_cli.cli.options import force_option, pictures_option, seed_option, workspace_option
+from neurframe_cli.cli.options import continuous_options
 
 if TYPE_CHECKING:
     from neurframe_cli.cli.console import Console
 
 
 @click.command(name="streamlines", cls=StageCommand)
-@workspace_option
-@click.option(
-    "--samples",
-    type=click.IntRange(1),
-    default=120,
-    show_default=True,
-    help="Seeds in the volume, and as many on the surface.",
-)
-@pictures_option
-@seed_option
-@force_option
+@continuous_options(120, "Seeds in the volume, and as many on the surface.")
 def command(
     workspace: Path | None,
     samples: int,

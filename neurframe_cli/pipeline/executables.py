@@ -12,13 +12,18 @@ PROGRAMS = ("miq", "qex", "cubecover", "hexex")
 FOLDER = Path(__file__).parent.parent / "bin"
 
 
+def variable_of(program: str) -> str:
+    """The environment variable that names another executable for one of PROGRAMS."""
+    return f"NEURFRAME_{program.upper()}"
+
+
 def find_executable(program: str) -> Path:
     """Path of the executable for one of PROGRAMS.
 
     The environment variable NEURFRAME_MIQ, NEURFRAME_QEX, NEURFRAME_CUBECOVER or NEURFRAME_HEXEX names another one.
     Raises UsageError where that is no executable file, StageError where ours was not built.
     """
-    variable = f"NEURFRAME_{program.upper()}"
+    variable = variable_of(program)
     chosen = os.environ.get(variable)
     if chosen:
         found = shutil.which(chosen)

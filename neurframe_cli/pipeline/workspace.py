@@ -33,10 +33,15 @@ class Workspace:
         return path
 
 
+def workspace_folder(model: Path, chosen: Path | None) -> Path:
+    """The folder of a command with an INPUT: the one chosen with -w, else STEM.neurframe here."""
+    return chosen if chosen is not None else Path(model.stem + SUFFIX)
+
+
 def workspace_for_input(model: Path, chosen: Path | None) -> Workspace:
-    """The workspace of a command with an INPUT: the one chosen with -w, else STEM.neurframe; created if missing."""
+    """The workspace of a command with an INPUT; created if missing."""
     check_file(model)  # before a folder is made for it
-    folder = chosen if chosen is not None else Path(model.stem + SUFFIX)
+    folder = workspace_folder(model, chosen)
     if folder.exists() and not folder.is_dir():
         raise UsageError(f"{folder} is a file, not a workspace folder", hint="choose another folder with -w")
     try:
