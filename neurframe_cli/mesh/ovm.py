@@ -142,11 +142,11 @@ class _Lines:
         return values
 
     def integers(self, width: int) -> list[int]:
-        return [self._number(word, int) for word in self._words(width)]
+        return [self._number(word, _index) for word in self._words(width)]
 
     def counted(self) -> list[int]:
         """The integers of a line that begins with how many follow."""
-        count, *values = (self._number(word, int) for word in self.next().split())
+        count, *values = (self._number(word, _index) for word in self.next().split())
         if count != len(values):
             raise UnreadableFile(f"{self.path}: a line announces {count} indices and has {len(values)}")
         return values
@@ -163,3 +163,11 @@ class _Lines:
             return convert(word)
         except ValueError as error:
             raise UnreadableFile(f"{self.path}: {error}") from error
+
+
+def _index(word: str) -> int:
+    """An integer that an array of indices can hold."""
+    value = int(word)
+    if abs(value) >= 2**62:
+        raise ValueError(f"{word[:40]} is no index")
+    return value
