@@ -195,7 +195,8 @@ def test_bash_completes_commands_options_and_values(tmp_path: Path) -> None:
     (tmp_path / "neurframe").chmod(0o755)
     script = """
         eval "$(neurframe completion bash)"
-        ask() { COMPREPLY=(); COMP_WORDS=(neurframe "$@"); COMP_CWORD=$#; _neurframe_completion neurframe; echo "${COMPREPLY[*]}"; }
+        ask() { COMPREPLY=()
+                COMP_WORDS=(neurframe "$@"); COMP_CWORD=$#; _neurframe_completion neurframe; echo "${COMPREPLY[*]}"; }
         ask disc; ask hex --target; ask train --preset ""
     """
     shown = subprocess.run(

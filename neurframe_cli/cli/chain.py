@@ -35,9 +35,7 @@ _TRAIN_OPTIONS = (
 )
 
 
-def tetize_stage(
-    workspace: Workspace, model: Path, values: Mapping[str, Any], console: Console, *, force: bool = False
-) -> StageOutcome:
+def tetize_of(model: Path, values: Mapping[str, Any]) -> Step:
     """INPUT -> tets."""
     from neurframe_cli.pipeline.tetize_step import tetize_step
     from neurframe_cli.stages.tetize import TetizeOptions
@@ -50,12 +48,10 @@ def tetize_stage(
         timeout_s=values["timeout"],
         memory_mib=values["memory"],
     )
-    return run_step(workspace, tetize_step(model, values["features"], options), console, force=force)
+    return tetize_step(model, values["features"], options)
 
 
-def train_stage(
-    workspace: Workspace, values: Mapping[str, Any], threads: int, console: Console, *, force: bool = False
-) -> StageOutcome:
+def train_of(workspace: Workspace, values: Mapping[str, Any], threads: int, *, fresh: bool = False) -> Step:
     """Tets -> field."""
     from neurframe_cli.pipeline.train_step import train_step
     from neurframe_cli.stages.train import TrainOptions
@@ -65,17 +61,14 @@ def train_stage(
         time_budget_s=values["time_budget"],
         threads=threads,
     )
-    return run_step(workspace, train_step(workspace, options, fresh=force), console, force=force)
+    return train_step(workspace, options, fresh=fresh)
 
 
-def discretize_stage(
-    workspace: Workspace, values: Mapping[str, Any], console: Console, *, force: bool = False
-) -> StageOutcome:
+def discretize_of(workspace: Workspace, values: Mapping[str, Any]) -> Step:
     """Field -> frames and crosses."""
     from neurframe_cli.pipeline.discretize_step import discretize_step
 
-    step = discretize_step(workspace, values["surface"], pictures=values["pictures"])
-    return run_step(workspace, step, console, force=force)
+    return discretize_step(workspace, values["surface"], pictures=values["pictures"])
 
 
 def points_stage(
@@ -116,18 +109,30 @@ def mesh_stage(
     *,
     force: bool = False,
 ) -> StageOutcome:
-    """Crosses -> quads, or frames -> hexes; then the further file, also of a mesh that was there already."""
-    from neurframe_cli.pipeline.hex_step import HEX, hex_step
-    from neurframe_cli.pipeline.quad_step import QUAD, quad_step
-
-    step = (quad_step if kind == "quad" else hex_step)(workspace, request)
+    """Make the mesh; then the further file, also of a mesh that was there already."""
     try:
-        outcome = run_step(workspace, step, console, force=force)
+        outcome = run_step(workspace, mesh_of(kind, workspace, request), console, force=force)
     except NotValid:
-        _export(workspace, QUAD if kind == "quad" else HEX, output)
+        _export(workspace, mesh_kind(kind), output)
         raise
-    _export(workspace, QUAD if kind == "quad" else HEX, output)
+    _export(workspace, mesh_kind(kind), output)
     return outcome
+
+
+def mesh_of(kind: Kind, workspace: Workspace, request: MeshRequest) -> Step:
+    """Crosses -> quads, or frames -> hexes."""
+    from neurframe_cli.pipeline.hex_step import hex_step
+    from neurframe_cli.pipeline.quad_step import quad_step
+
+    return (quad_step if kind == "quad" else hex_step)(workspace, request)
+
+
+def mesh_kind(kind: Kind) -> MeshKind:
+    """The files of quads or hexes."""
+    from neurframe_cli.pipeline.hex_step import HEX
+    from neurframe_cli.pipeline.quad_step import QUAD
+
+    return QUAD if kind == "quad" else HEX
 
 
 def _export(workspace: Workspace, kind: MeshKind, output: Path | None) -> None:
@@ -143,23 +148,27 @@ def run_step(workspace: Workspace, step: Step, console: Console, *, force: bool 
         with console.progress(step.name) as progress:
             outcome = run_stage(workspace, step, progress, force=force)
     except NotValid:
-        _say(step.name, read_manifest(workspace.folder).stages[step.name].report, console)
+        record = read_manifest(workspace.folder).stages[step.name]
+        if record.status == "invalid":  # else there is no mesh
+            _say(step.name, StageOutcome(record, skipped=False), console)
         raise
-    record = outcome.record
-    if outcome.skipped:
-        console.log.info("%s: unchanged, skipped", step.name)
-    else:
-        console.log.info("%s: done in %.1f s, peak %.0f MiB", step.name, record.seconds, record.peak_mib)
-    _say(step.name, record.report, console)
+    _say(step.name, outcome, console)
     return outcome
 
 
-def _say(stage: str, report: Mapping[str, Any], console: Console) -> None:
-    for line in _summary(stage, report) if report else []:
+def _say(stage: str, outcome: StageOutcome, console: Console) -> None:
+    record = outcome.record
+    lines = summary(stage, record.report) if record.report else []
+    console.ended(stage, record, skipped=outcome.skipped, said=lines[0] if lines else "")
+    if outcome.skipped:
+        console.log.info("%s: unchanged, skipped", stage)
+    else:
+        console.log.info("%s: done in %.1f s, peak %.0f MiB", stage, record.seconds, record.peak_mib)
+    for line in lines:
         console.log.info("  %s", line)
 
 
-def _summary(stage: str, report: Mapping[str, Any]) -> list[str]:
+def summary(stage: str, report: Mapping[str, Any]) -> list[str]:
     """A stage's most telling numbers, a line each."""
     if stage == "tetize":
         return [

@@ -7,7 +7,7 @@ import json
 import logging
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -17,7 +17,9 @@ import click
 from neurframe_cli.errors import UsageError
 
 if TYPE_CHECKING:  # arrays.py loads numpy, which --help has no time for
+    from neurframe_cli.cli.stage_table import StageTable
     from neurframe_cli.mesh.arrays import Progress
+    from neurframe_cli.pipeline.manifest import StageRecord
 
 PLAIN_INTERVAL_S = 10.0
 _LEVELS = {-1: logging.WARNING, 0: logging.INFO}
@@ -31,7 +33,9 @@ class Console:
         self.log = logging.getLogger("neurframe")
         self.log.setLevel(logging.DEBUG)
         self.log.propagate = False
-        self._handlers: list[logging.Handler] = [_screen_handler(_LEVELS.get(verbosity, logging.DEBUG))]
+        self._table: StageTable | None = None
+        self._screen = _ScreenHandler(_LEVELS.get(verbosity, logging.DEBUG))
+        self._handlers: list[logging.Handler] = [self._screen]
         if log_json is not None:
             self._handlers.append(_json_handler(log_json))
 
@@ -53,12 +57,43 @@ class Console:
         """What the command was asked for, on stdout."""
         click.echo(text)
 
+    @property
+    def is_live(self) -> bool:
+        """Whether lines can be drawn anew: on a terminal, and not where nothing shall be shown."""
+        return self.verbosity >= 0 and sys.stderr.isatty()
+
+    @contextlib.contextmanager
+    def stages(self, names: Sequence[str]) -> Iterator[None]:
+        """Within the block these stages share one live table, where there is a terminal to show it."""
+        if not self.is_live:
+            yield
+            return
+        from neurframe_cli.cli.stage_table import live_stages
+
+        level = self._screen.level
+        with live_stages(names) as self._table:
+            # the table shows what the lines would say
+            self._screen.setLevel(logging.WARNING if self.verbosity == 0 else level)
+            try:
+                yield
+            finally:
+                self._table = None
+                self._screen.setLevel(level)
+
+    def ended(self, stage: str, record: StageRecord, *, skipped: bool, said: str) -> None:
+        """Put a stage's result into the table, if there is one."""
+        if self._table is not None:
+            self._table.ended(stage, record, skipped=skipped, said=said)
+
     @contextlib.contextmanager
     def progress(self, title: str) -> Iterator[Progress]:
         """A progress callback for the stage `title`, shown as this console shows progress."""
-        if self.verbosity < 0:
+        if self._table is not None:
+            with self._table.running(title) as update:
+                yield update
+        elif self.verbosity < 0:
             yield lambda fraction, text: None
-        elif sys.stderr.isatty():
+        elif self.is_live:
             with _progress_bar(title) as update:
                 yield update
         else:
@@ -115,11 +150,15 @@ class _ScreenFormatter(logging.Formatter):
         return prefix + record.getMessage()
 
 
-def _screen_handler(level: int) -> logging.Handler:
-    handler = logging.StreamHandler(sys.stderr)
-    handler.setLevel(level)
-    handler.setFormatter(_ScreenFormatter())
-    return handler
+class _ScreenHandler(logging.Handler):
+    """Lines on what standard error is at that moment: while a live table is shown, rich puts them above it."""
+
+    def __init__(self, level: int) -> None:
+        super().__init__(level)
+        self.setFormatter(_ScreenFormatter())
+
+    def emit(self, record: logging.LogRecord) -> None:
+        click.echo(self.format(record), err=True)
 
 
 class _JsonFormatter(logging.Formatter):

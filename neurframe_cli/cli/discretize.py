@@ -30,11 +30,11 @@ def command(
 
     Writes tets.fra, frames.npz, cross.npz, cross.vtp, singular_edges.vtp and PNG pictures.
     """
-    from neurframe_cli.cli.chain import discretize_stage, points_stage
+    from neurframe_cli.cli.chain import discretize_of, points_stage, run_step
     from neurframe_cli.pipeline.workspace import find_workspace
 
     found = find_workspace(workspace)
     if points is not None:
         points_stage(found, points, console, force=force)
     else:
-        discretize_stage(found, values, console, force=force)
+        run_step(found, discretize_of(found, values), console, force=force)

@@ -9,6 +9,8 @@ from typing import Any, TypeVar
 
 import click
 
+from neurframe_cli.cli.quality import quality_option
+
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
@@ -229,3 +231,18 @@ def continuous_options(samples: int, what: str) -> Callable[[Command], Command]:
         seed_option,
         force_option,
     )
+
+
+run_options = options(
+    click.option("--quad", is_flag=True, help="Make quads.  [default: quads and hexes]"),
+    click.option("--hex", "hexes", is_flag=True, help="Make hexes.  [default: quads and hexes]"),
+    scale_option,
+    edge_length_option,
+    quality_option,
+    tetize_options("--tet-edge-length"),
+    feature_angle_option,
+    train_options,
+    discretize_options,
+    seed_option,
+    click.option("--report/--no-report", default=True, show_default=True, help="Write report.html."),
+)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,49 +13,49 @@ import click
 
 from neurframe_cli.cli.command import StageCommand
 from neurframe_cli.cli.options import (
-    discretize_options,
-    edge_length_option,
-    feature_angle_option,
     force_option,
     input_argument,
     limit_options,
     output_option,
-    scale_option,
-    seed_option,
-    tetize_options,
-    train_options,
+    run_options,
     workspace_option,
 )
+from neurframe_cli.cli.quality import apply_quality
 from neurframe_cli.errors import NeurframeError, NotValid, UsageError
 
 if TYPE_CHECKING:
     from neurframe_cli.cli.chain import Kind
     from neurframe_cli.cli.console import Console
     from neurframe_cli.pipeline.mesh_step import MeshRequest
+    from neurframe_cli.pipeline.runner import Step
     from neurframe_cli.pipeline.workspace import Workspace
 
+REPORT = "report.html"
 
-@click.command(name="run", cls=StageCommand)
+
+class RunCommand(StageCommand):
+    """Lays --quality under the options before the callback sees them."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        apply_quality(ctx)
+        return super().invoke(ctx)
+
+
+@click.command(name="run", cls=RunCommand)
 @input_argument
-@click.option("--quad", is_flag=True, help="Make quads.  [default: quads and hexes]")
-@click.option("--hex", "hexes", is_flag=True, help="Make hexes.  [default: quads and hexes]")
-@scale_option
-@edge_length_option
+@run_options
 @output_option
 @workspace_option
-@tetize_options("--tet-edge-length")
-@feature_angle_option
-@train_options
-@discretize_options
 @limit_options(1800.0, "each child process")
-@seed_option
 @force_option
+@click.option("--dry-run", is_flag=True, help="Say what would be done and about how long it takes.")
 def command(
     model: Path,
     quad: bool,
     hexes: bool,
     workspace: Path | None,
     force: bool,
+    dry_run: bool,
     threads: int,
     console: Console,
     **values: Any,
@@ -60,18 +64,47 @@ def command(
 
     Stages whose inputs and options have not changed are skipped; a killed run goes on where it was.
     """
-    from neurframe_cli.cli.chain import discretize_stage, mesh_request, tetize_stage, train_stage
-    from neurframe_cli.pipeline.workspace import workspace_for_input
+    from neurframe_cli.cli.chain import mesh_request
+    from neurframe_cli.cli.run_summary import result_lines
+    from neurframe_cli.pipeline.workspace import Workspace, workspace_folder, workspace_for_input
 
     kinds = _kinds(quad, hexes)
     _refuse_ambiguous(kinds, values)
     requests = mesh_request(kinds, values, threads)
-    found = workspace_for_input(model, workspace)
-    tetize_stage(found, model, values, console, force=force)
-    train_stage(found, values, threads, console, force=force)
-    discretize_stage(found, values, console, force=force)
-    _make_meshes(requests, found, values["output"], console, force)
-    console.result(str(found.folder))
+    if dry_run:
+        found = Workspace(workspace_folder(model, workspace))
+        _say_plan(Job(found, model, values, requests, threads, force), console)
+        return
+    job = Job(workspace_for_input(model, workspace), model, values, requests, threads, force)
+    with console.stages([*job.steps(), *requests]):
+        failure = _run_all(job, console)
+    if values["report"]:
+        _write_report(job.workspace, console)
+    console.result("\n".join(result_lines(job.workspace, kinds)))
+    if failure is not None:
+        raise failure
+
+
+@dataclass(frozen=True)
+class Job:
+    """What one call of `neurframe run` has to do."""
+
+    workspace: Workspace
+    model: Path
+    values: dict[str, Any]
+    requests: dict[Kind, MeshRequest]
+    threads: int
+    force: bool
+
+    def steps(self) -> dict[str, Callable[[], Step]]:
+        """The stages before the meshes; a step can be made when those before it have run."""
+        from neurframe_cli.cli.chain import discretize_of, tetize_of, train_of
+
+        return {
+            "tetize": lambda: tetize_of(self.model, self.values),
+            "train": lambda: train_of(self.workspace, self.values, self.threads, fresh=self.force),
+            "discretize": lambda: discretize_of(self.workspace, self.values),
+        }
 
 
 def _kinds(quad: bool, hexes: bool) -> list[Kind]:
@@ -90,23 +123,56 @@ def _refuse_ambiguous(kinds: list[Kind], values: dict[str, Any]) -> None:
             )
 
 
-def _make_meshes(
-    requests: dict[Kind, MeshRequest],
-    workspace: Workspace,
-    output: Path | None,
-    console: Console,
-    force: bool,
-) -> None:
-    """Every mesh that was asked for; one that fails does not keep the next from being made."""
-    from neurframe_cli.cli.chain import mesh_stage
+def _run_all(job: Job, console: Console) -> NeurframeError | None:
+    """Every stage; a mesh that fails does not keep the next from being made, and its error is returned."""
+    from neurframe_cli.cli.chain import mesh_stage, run_step
 
+    for make in job.steps().values():
+        run_step(job.workspace, make(), console, force=job.force)
     failed: list[NeurframeError] = []
-    for kind, request in requests.items():
+    for kind, request in job.requests.items():
         try:
-            mesh_stage(kind, workspace, request, output, console, force=force)
+            mesh_stage(kind, job.workspace, request, job.values["output"], console, force=job.force)
         except NeurframeError as error:
             failed.append(error)
     for earlier in failed[:-1]:
         console.log.error("%s", earlier)
-    if failed:
-        raise next((failure for failure in failed if not isinstance(failure, NotValid)), failed[-1])
+    # one that could not be made says more than one that is not valid
+    return next(
+        (error for error in failed if not isinstance(error, NotValid)), failed[-1] if failed else None
+    )
+
+
+def _write_report(workspace: Workspace, console: Console) -> None:
+    """report.html, unless nothing has changed since it was written; a report that fails spoils no mesh."""
+    from neurframe_cli.pipeline.atomic import atomic_path
+    from neurframe_cli.pipeline.manifest import MANIFEST_NAME
+
+    write_report = getattr(importlib.import_module("neurframe_cli.report"), "write_report", None)
+    if write_report is None:
+        return
+    path = workspace / REPORT
+    if path.is_file() and path.stat().st_mtime_ns >= (workspace / MANIFEST_NAME).stat().st_mtime_ns:
+        return
+    try:
+        with atomic_path(path) as temporary:
+            write_report(workspace.folder, temporary)
+    except Exception as error:  # whatever it is, the meshes are there and what the user asked for
+        console.log.warning("%s was not written: %s: %s", path, type(error).__name__, error)
+
+
+def _say_plan(job: Job, console: Console) -> None:
+    from neurframe_cli.cli.chain import mesh_of
+    from neurframe_cli.cli.run_summary import plan_lines
+    from neurframe_cli.pipeline.forecast import amount_of, measured_speed
+    from neurframe_cli.pipeline.plan import plan
+    from neurframe_cli.pipeline.workspace import manifests_beside
+
+    steps = job.steps()
+    for kind, request in job.requests.items():
+        steps[kind] = partial(mesh_of, kind, job.workspace, request)
+    planned = plan(job.workspace, steps, force=job.force)
+    quads = job.requests.get("quad")
+    amount = amount_of(job.model, job.values["tet_edge_length"], quads.size if quads else None)
+    speed, earlier = measured_speed(manifests_beside(job.workspace))
+    console.result("\n".join(plan_lines(planned, amount, speed, earlier)))

@@ -38,7 +38,7 @@ def command(
     INPUT is a surface (STL, OBJ, PLY, OFF, 3MF, GLB; STEP with the extra `step`) or a tet mesh (MEDIT, VTK, VTU, MSH,
     OVM).  Writes surface.ply, tets.mesh and features.json to the workspace.
     """
-    from neurframe_cli.cli.chain import tetize_stage
+    from neurframe_cli.cli.chain import run_step, tetize_of
     from neurframe_cli.pipeline.workspace import workspace_for_input
 
-    tetize_stage(workspace_for_input(model, workspace), model, values, console, force=force)
+    run_step(workspace_for_input(model, workspace), tetize_of(model, values), console, force=force)

@@ -25,7 +25,8 @@ def command(workspace: Path | None, force: bool, threads: int, console: Console,
     Reads tets.mesh and features.json, writes field.safetensors (the network) and train.jsonl (one JSON line per
     logged step).  A run that was killed goes on from its last checkpoint.
     """
-    from neurframe_cli.cli.chain import train_stage
+    from neurframe_cli.cli.chain import run_step, train_of
     from neurframe_cli.pipeline.workspace import find_workspace
 
-    train_stage(find_workspace(workspace), values, threads, console, force=force)
+    found = find_workspace(workspace)
+    run_step(found, train_of(found, values, threads, fresh=force), console, force=force)

@@ -105,6 +105,16 @@ def _judged(outcome: StageOutcome) -> StageOutcome:
     return outcome
 
 
+def is_unchanged(workspace: Workspace, step: Step) -> bool:
+    """Whether run_stage would have nothing to do."""
+    record = read_manifest(workspace.folder).stages.get(step.name)
+    if record is None:
+        return False
+    return is_current(
+        workspace, record, _key(step, {label: sha256_of(path) for label, path in step.inputs.items()})
+    )
+
+
 def is_current(workspace: Workspace, record: StageRecord, key: str) -> bool:
     """Whether a stage's outputs are all there with the hashes recorded, made under the same key."""
     if record.status not in ("done", "invalid") or record.key != key:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
-from neurframe_cli.errors import UsageError
+from neurframe_cli.errors import NeurframeError, UsageError
 from neurframe_cli.mesh.open_file import check_file
 from neurframe_cli.pipeline.atomic import write_error
-from neurframe_cli.pipeline.manifest import MANIFEST_NAME
+from neurframe_cli.pipeline.manifest import MANIFEST_NAME, Manifest, read_manifest
 
 SUFFIX = ".neurframe"
 
@@ -74,3 +75,13 @@ def find_workspace(chosen: Path | None, here: Path = Path()) -> Workspace:
         )
     names = ", ".join(path.name for path in found)
     raise UsageError(f"there are {len(found)} workspaces here: {names}", hint="choose one with -w")
+
+
+def manifests_beside(workspace: Workspace) -> list[Manifest]:
+    """The manifests of this workspace and of those in the same folder, as far as they can be read."""
+    folders = {workspace.folder, *workspace.folder.resolve().parent.glob("*" + SUFFIX)}
+    found = []
+    for folder in sorted(folders):
+        with contextlib.suppress(NeurframeError):
+            found.append(read_manifest(folder))
+    return found

@@ -1,0 +1,105 @@
+"""About how large and how long: tets of a model and seconds of each stage, before anything is computed.
+
+The formulas are fits to runs on one thread (docs/run.md); they are good to a factor of two or three.  What earlier
+runs took on this machine scales them.
+"""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from neurframe_cli.mesh.arrays import Floats, Ints, Surface
+from neurframe_cli.mesh.load import load_model
+from neurframe_cli.mesh.tet_adjacency import tet_adjacency
+from neurframe_cli.pipeline.manifest import Manifest
+from neurframe_cli.pipeline.sizing import ElementSize
+
+# seconds of a stage = constant + sum of rate * thousands of what the name says
+_COSTS: dict[str, dict[str, float]] = {
+    "tetize": {"constant": 4.0, "tets": 0.6, "faces": 1.5},
+    "train": {"constant": 4.5, "tets": 1.2},
+    "discretize": {"constant": 5.0, "tets": 0.2},
+    "quad": {"constant": 2.5, "quads": 0.35},
+    "hex": {"constant": 4.0, "tets": 1.8},
+}
+_PASSED_THROUGH = {"constant": 0.4, "tets": 0.04}  # tetize of a tet mesh only checks it
+_SPEED_STAGES = ("train", "discretize", "hex")  # what their formulas need stands in every manifest
+
+
+@dataclass(frozen=True)
+class Amount:
+    """What the stages work on; faces: triangles of the input; is_surface: fTetWild has to fill it."""
+
+    tets: float
+    faces: float
+    quads: float
+    is_surface: bool
+
+
+def amount_of(model: Path, tet_edge_length: float, quad_size: ElementSize | None) -> Amount:
+    """What a run on the file `model` will work on; tet_edge_length in bounding-box diagonals.
+
+    Raises what reading raises.
+    """
+    loaded = load_model(model)
+    if not isinstance(loaded, Surface):
+        V, T = loaded[0].V, loaded[0].T
+        return Amount(len(T), 0, _quads(Surface(V, tet_adjacency(T).boundary_faces), quad_size), False)
+    tets = expected_tets(loaded, tet_edge_length)
+    return Amount(tets, len(loaded.F), _quads(loaded, quad_size), True)
+
+
+def expected_tets(surface: Surface, edge_length: float) -> float:
+    """About how many tets fTetWild makes; edge_length in bounding-box diagonals.
+
+    8.5 volumes of h^3 inside, 3 areas of h^2 for the finer layer at the boundary, and half a tet for each triangle of
+    the input, whose detail must be kept within epsilon.
+    """
+    diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
+    h = edge_length * diagonal
+    volume = abs(_volume(surface.V, surface.F))
+    return 8.5 * volume / h**3 + 3 * _area(surface) / h**2 + 0.5 * len(surface.F)
+
+
+def seconds_of(stage: str, amount: Amount, speed: float = 1.0) -> float:
+    """About how long a stage takes, on a machine that takes `speed` times as long as ours."""
+    costs = _PASSED_THROUGH if stage == "tetize" and not amount.is_surface else _COSTS[stage]
+    thousands = {"tets": amount.tets / 1000, "faces": amount.faces / 1000, "quads": amount.quads / 1000}
+    return speed * (costs["constant"] + sum(costs.get(name, 0.0) * many for name, many in thousands.items()))
+
+
+def measured_speed(manifests: Iterable[Manifest]) -> tuple[float, int]:
+    """How many times as long as the formulas say earlier stages took (median), and how many there were; 1 of none."""
+    ratios = []
+    for manifest in manifests:
+        tetize = manifest.stages.get("tetize")
+        tets = tetize.report.get("tets") if tetize is not None else None
+        for name in _SPEED_STAGES:
+            record = manifest.stages.get(name)
+            if tets and record is not None and record.status in ("done", "invalid") and record.seconds > 0:
+                ratios.append(record.seconds / seconds_of(name, Amount(tets, 0, 0, True)))
+    return (statistics.median(ratios), len(ratios)) if ratios else (1.0, 0)
+
+
+def _quads(surface: Surface, size: ElementSize | None) -> float:
+    return _area(surface) / size.length(surface) ** 2 if size is not None else 0.0
+
+
+def _corners(V: Floats, F: Ints) -> tuple[Floats, Floats, Floats]:
+    return V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
+
+
+def _area(surface: Surface) -> float:
+    A, B, C = _corners(surface.V, surface.F)
+    return float(np.linalg.norm(np.cross(B - A, C - A), axis=1).sum() / 2)
+
+
+def _volume(V: Floats, F: Ints) -> float:
+    # about a corner of the model, so that one far from the origin does not cancel
+    A, B, C = _corners(V - V[F[0, 0]], F)
+    return float(np.einsum("ij,ij->i", A, np.cross(B, C)).sum() / 6)
