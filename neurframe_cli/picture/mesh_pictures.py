@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from neurframe_cli.mesh.arrays import Bools, Floats, Ints
 from neurframe_cli.mesh.quality.check import HEX_EDGES, HEX_FACES
@@ -98,7 +99,7 @@ def _among(edges: Ints, others: Ints) -> Bools:
 def _faces(scene: Scene, V: Floats, quads: Ints, quality: Floats) -> None:
     """Flat quads with their edges; drawn as triangles, so that warped ones show as they are measured."""
     mesh = polydata(V, faces=triangulated(quads))
-    mesh.cell_data["color"] = np.tile(_colors(quality), (2, 1))
+    mesh.cell_data["color"] = np.tile(quality_colors(quality), (2, 1))
     scene.plotter.add_mesh(mesh, scalars="color", rgb=True, smooth_shading=False, ambient=0.5, diffuse=0.65)
     scene.lines(
         _raised(scene, V), unique_edges(quads)[0], color=EDGE_COLOR, width=1.2 if len(quads) < 20_000 else 0.5
@@ -110,8 +111,8 @@ def _raised(scene: Scene, V: Floats) -> Floats:
     return np.asarray(V + 2e-3 * scene.diagonal * scene.toward_viewer)
 
 
-def _colors(quality: Floats) -> Ints:
-    """(m,3) uint8 from QUALITY_RAMP."""
+def quality_colors(quality: Floats) -> NDArray[np.uint8]:
+    """Colours (m,3) uint8 of cells by their worst scaled Jacobian (m,), from QUALITY_RAMP."""
     stops = np.array([stop for stop, _ in QUALITY_RAMP])
     table = np.array([[int(color[i : i + 2], 16) for i in (1, 3, 5)] for _, color in QUALITY_RAMP])
     return np.stack([np.interp(quality, stops, table[:, k]) for k in range(3)], axis=1).astype(np.uint8)

@@ -1,0 +1,56 @@
+"""Reading back the .vtp files of a workspace, without the weight of pyvista."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from neurframe_cli.errors import UnreadableFile
+from neurframe_cli.mesh.arrays import Floats, Ints
+
+
+@dataclass(frozen=True)
+class PolyLines:
+    """Points (n,3), the segments (k,2) of all polylines, and for each segment the number of its polyline (k,).
+
+    data: the arrays of the file by name, of points and of cells.
+    """
+
+    points: Floats
+    segments: Ints
+    line: Ints
+    data: dict[str, Any]
+
+
+def read_vtp(path: Path) -> PolyLines:
+    """Points and lines of a .vtp file; raises UnreadableFile."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+    reader = vtkXMLPolyDataReader()
+    reader.SetFileName(str(path))
+    if not path.is_file() or not reader.CanReadFile(str(path)):
+        raise UnreadableFile(f"{path} is no VTK file of polygons and lines")
+    reader.Update()
+    if reader.GetErrorCode():
+        raise UnreadableFile(f"{path} is damaged")
+    mesh = reader.GetOutput()
+    points = mesh.GetPoints()
+    lines = mesh.GetLines()
+    offsets = vtk_to_numpy(lines.GetOffsetsArray()).astype(np.int64)
+    corners = vtk_to_numpy(lines.GetConnectivityArray()).astype(np.int64)
+    first = np.delete(np.arange(len(corners)), np.maximum(offsets[1:] - 1, 0)) if len(corners) else corners
+    tables = (mesh.GetPointData(), mesh.GetCellData())
+    return PolyLines(
+        np.zeros((0, 3)) if points is None else vtk_to_numpy(points.GetData()).astype(np.float64),
+        np.stack([corners[first], corners[first + 1]], axis=1) if len(first) else np.zeros((0, 2), np.int64),
+        np.searchsorted(offsets, first, side="right") - 1,
+        {
+            t.GetArrayName(i): vtk_to_numpy(t.GetArray(i))
+            for t in tables
+            for i in range(t.GetNumberOfArrays())
+        },
+    )
