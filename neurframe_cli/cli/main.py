@@ -24,6 +24,7 @@ COMPLETE_VARIABLE = "_NEURFRAME_COMPLETE"  # set by the completion script that a
 # command -> what the help says; the module neurframe_cli.cli.NAME has a click command called `command`
 COMMANDS = {
     "run": "Everything in one go: tets, field, frames, and the meshes asked for.",
+    "batch": "`run` for many models, here or on a cluster, and one table.",
     "tetize": "Fill a surface with tetrahedra, or take a tet mesh as it is.",
     "train": "Learn a smooth, aligned frame field in the tets.",
     "discretize": "Query the field: frames on tets, crosses on triangles.",
@@ -32,6 +33,8 @@ COMMANDS = {
     "quad": "Quad mesh from the crosses: integer-grid map, extraction, smoothing, check.",
     "hex": "Hex mesh from the frames: integer-grid map, extraction, smoothing, check.",
     "check": "Validity and quality of a quad or hex mesh against its input.",
+    "report": "What happened in a workspace, as one HTML file.",
+    "view": "A workspace or a mesh in the browser, with an interactive 3D view.",
     "doctor": "What is installed here, and does it work.",
     "config": "The options in force here, as a config file.",
     "completion": "Completion of commands and options for a shell.",

@@ -13,7 +13,7 @@ from neurframe_cli import __version__
 from neurframe_cli.picture.mesh_pictures import QUALITY_RAMP
 from neurframe_cli.report import words
 from neurframe_cli.report.figures import loss_figure, quality_figures
-from neurframe_cli.report.vtkjs import viewer_script
+from neurframe_cli.report.vtkjs import INSTALL_HINT, viewer_script
 
 _NAMES = {"quad": "Quads", "hex": "Hexes"}
 
@@ -71,7 +71,12 @@ def _view(scene: Mapping[str, Any] | None) -> dict[str, Any]:
     """The 3D view with vtk.js, where it is installed."""
     script = viewer_script()
     ramp = ", ".join(f"{color} {100 * quality:g}%" for quality, color in QUALITY_RAMP)
-    return {"scene": scene, "vtkjs": None if script is None else Markup(script), "ramp": ramp}
+    return {
+        "scene": scene,
+        "vtkjs": None if script is None else Markup(script),
+        "install": INSTALL_HINT,
+        "ramp": ramp,
+    }
 
 
 def _render(template: str, **values: Any) -> str:

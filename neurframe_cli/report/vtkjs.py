@@ -17,6 +17,7 @@ import numpy as np
 
 from neurframe_cli.report.layers import Layer, ViewFrame, rgb
 
+INSTALL_HINT = "pip install 'neurframe[report]'"
 _VIEWER = "tools/static_viewer.html"  # in trame_vtk: vtk.js and window.OfflineLocalView in one script
 _FAVICON = "https://kitware.github.io/vtk-js/icon/favicon-"
 _CELL_FIELD = 4  # vtkMapper::ScalarMode
@@ -100,7 +101,7 @@ def _actor(number: int, layer: Layer, frame: ViewFrame, arrays: dict[str, dict[s
 
 def _property(layer: Layer) -> dict[str, Any]:
     color = rgb(layer.color)
-    shading = {"ambient": 0.35, "diffuse": 0.7} if layer.lit else {"ambient": 1.0, "diffuse": 0.0}
+    shading = {"ambient": 0.5, "diffuse": 0.55} if layer.lit else {"ambient": 1.0, "diffuse": 0.0}
     return shading | {
         "representation": 2,
         "interpolation": 0,

@@ -29,10 +29,14 @@
   }
 
   function waitForLayers(since) {
-    const renderer = window.renderWindow?.getRenderers()[0];
-    const actors = renderer ? renderer.getActors() : [];
-    const ready = actors.length === scene.layers.length && actors.every((a) => a.getMapper()?.getInputData()?.getPoints()?.getData()?.length);
-    if (ready) setUp(renderer, actors);
+    const renderers = window.renderWindow?.getRenderers() ?? [];
+    const renderer = renderers.find((one) => one.getActors().length === scene.layers.length);
+    const actors = renderer?.getActors() ?? [];
+    if (actors.length && actors.every((one) => one.getMapper()?.getInputData()?.getPoints()?.getData()?.length)) {
+      // the loader brings an empty one of its own, which would take the mouse
+      renderers.filter((one) => one !== renderer).forEach((one) => window.renderWindow.removeRenderer(one));
+      setUp(renderer, actors);
+    }
     else if (performance.now() - since < LONGEST_WAIT_MS) setTimeout(waitForLayers, 50, since);
     else message.textContent = "The 3D view could not be drawn.";
   }
