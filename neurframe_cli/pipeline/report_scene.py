@@ -70,7 +70,7 @@ def surface_layers(surface: Surface, *, shown: bool) -> list[Layer]:
     edges = features_by_angle(surface.V, surface.F, _FEATURE_ANGLE_DEG).edges
     return [
         scene.surface_layer(surface, shown=shown),
-        scene.line_layer("sharp edges of the input", surface.V, edges, FEATURE_COLOR),
+        scene.line_layer("sharp edges", surface.V, edges, FEATURE_COLOR),
     ]
 
 

@@ -15,6 +15,7 @@ from neurframe_cli.report import words
 from neurframe_cli.report.figures import loss_figure, quality_figures
 from neurframe_cli.report.vtkjs import INSTALL_HINT, viewer_script
 
+_FIRST_COLUMNS = ("model", "outcome", "status", "report")
 _NAMES = {"quad": "Quads", "hex": "Hexes"}
 
 
@@ -53,7 +54,9 @@ def render_mesh(title: str, facts: Mapping[str, Any], figure: Markup, scene: Map
 def render_summary(rows: Sequence[Mapping[str, Any]], title: str) -> str:
     """The page of a batch, a line for each row; the columns are those that the rows have, nested ones joined."""
     flat = [words.flat(row) for row in rows]
-    columns = list(dict.fromkeys(name for row in flat for name in row))
+    columns = sorted(
+        dict.fromkeys(name for row in flat for name in row), key=lambda name: name not in _FIRST_COLUMNS
+    )
     outcome = next((name for name in ("outcome", "status") if name in columns), None)
     return _render(
         "summary.html.j2",

@@ -109,6 +109,7 @@ def scene_document(layers: Sequence[Layer], cut: dict[str, Any] | None = None) -
         "center": frame.center.tolist(),
         "diagonal": frame.diagonal,
         "cut": cut,
+        "colored": any(layer.colors is not None for layer in drawn),
         "left_out": [layer.title for layer in layers if len(layer.cells) > MOST_CELLS],
     }
 

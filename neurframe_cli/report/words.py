@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 from urllib.parse import quote
 
-_GOOD, _BAD = ("valid", "done", "ok", "exit 0", "0"), ("invalid", "failed", "crashed", "3", "4")
+_GOOD = ("valid", "done")
+_BAD = ("invalid", "failed", "unusable", "crashed", "out of memory", "lost")
 
 
 def number(value: Any) -> str:
@@ -69,8 +70,7 @@ def count(values: Iterable[Any]) -> dict[str, int]:
 
 def tone(outcome: Any) -> str:
     """The colour of an outcome: good, bad or warn."""
-    text = str(outcome).lower()
-    return "good" if text in _GOOD else "bad" if text in _BAD else "warn"
+    return "good" if outcome in _GOOD else "bad" if outcome in _BAD else "warn"
 
 
 def local_link(path: Any) -> str:

@@ -31,7 +31,7 @@
     return typeof a === "number" ? -1 : 1;
   }
   for (const head of document.querySelectorAll("th.sortable")) {
-    head.addEventListener("click", () => {
+    const sort = () => {
       const up = head.getAttribute("aria-sort") !== "ascending";
       for (const other of head.parentElement.children) other.removeAttribute("aria-sort");
       head.setAttribute("aria-sort", up ? "ascending" : "descending");
@@ -39,6 +39,8 @@
       const rows = [...body.rows];
       rows.sort((a, b) => (up ? 1 : -1) * compare(key(a.cells[head.cellIndex]), key(b.cells[head.cellIndex])));
       body.append(...rows);
-    });
+    };
+    head.addEventListener("click", sort);
+    head.addEventListener("keydown", (event) => { if (event.key === "Enter") sort(); });
   }
 })();
