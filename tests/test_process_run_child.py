@@ -95,6 +95,16 @@ def test_time_limit() -> None:
     assert time.monotonic() - started < 5
 
 
+def test_silence_limit() -> None:
+    with pytest.raises(TimedOut, match="said nothing for 1.5 seconds"):
+        run("import time; print('begun', flush=True); time.sleep(60)", silence_s=1.5)
+
+
+def test_a_child_that_talks_is_not_silent() -> None:
+    code = "import sys, time; [(print('.', file=sys.stderr, flush=True), time.sleep(0.2)) for _ in range(10)]"
+    assert run(code, silence_s=10).returncode == 0
+
+
 def ends_within(pid: int, seconds: float) -> bool:
     """True once the process is gone, or is a zombie that nobody has collected."""
     deadline = time.monotonic() + seconds

@@ -20,6 +20,7 @@ from neurframe_cli.mesh.manifold_boundary import boundary_surface
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.mesh.surface_distance import distances
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
+from neurframe_cli.stages import tetize_attempts
 from neurframe_cli.stages.run_tetwild import TetwildSettings, seed_library
 from neurframe_cli.stages.tetize import TetizeOptions, tetize
 from neurframe_cli.stages.tetize_attempts import EmptyResultError, settings_after
@@ -165,16 +166,34 @@ def test_a_crash_of_ftetwild_stays_in_its_process(tmp_path: Path, monkeypatch: p
 
 def test_ladder_of_settings() -> None:
     first = TetwildSettings(0.025, 1e-3)
-    crash, slow = ChildCrashed(""), TimedOut("")
+    crash = ChildCrashed("")
     steps = [first]
-    while (following := settings_after(first, steps[-1], crash)) is not None:
+    while (following := settings_after(first, steps[-1], crash, manifold=True)) is not None:
         steps.append(following)
     assert len(steps) == len(set(steps)) == 5
-    assert settings_after(first, steps[1], EmptyResultError("")) is None
+    assert settings_after(first, steps[1], EmptyResultError(""), manifold=True) is None
     assert steps[1] == replace(first, simplify=False)
-    assert settings_after(first, first, slow) == replace(first, edge_length_fac=0.05)
-    assert settings_after(first, replace(first, edge_length_fac=0.1), slow) is None
-    assert settings_after(TetwildSettings(0.2, 1e-3), TetwildSettings(0.2, 1e-3), slow) is None
+
+
+def test_ladder_of_what_is_too_slow() -> None:
+    first, slow = TetwildSettings(0.025, 1e-3), TimedOut("")
+    assert settings_after(first, first, slow, manifold=False) == replace(first, edge_length_fac=0.05)
+    assert settings_after(first, replace(first, edge_length_fac=0.1), slow, manifold=False) is None
+    assert (
+        settings_after(TetwildSettings(0.2, 1e-3), TetwildSettings(0.2, 1e-3), slow, manifold=False) is None
+    )
+    fewer = settings_after(first, first, slow, manifold=True)
+    assert fewer == replace(first, decimate=True)
+    assert settings_after(first, fewer, slow, manifold=True) == replace(fewer, edge_length_fac=0.05)
+
+
+def test_a_simplification_that_never_ends_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """fTetWild silent for longer than allowed: decimated, and no longer waited for by its silence."""
+    monkeypatch.setattr(tetize_attempts, "SILENT_SHARE", 0.0)
+    monkeypatch.setattr(tetize_attempts, "LEAST_SILENCE_S", 0.01)  # shorter than the child takes to start
+    found = tetize(sample("bracket.stl"), COARSE, silent, tmp_path)
+    assert "said nothing" in found.attempts[0].outcome
+    assert found.attempts[1].settings.decimate
 
 
 def test_a_missing_part_is_noticed() -> None:

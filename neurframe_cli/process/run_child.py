@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from neurframe_cli.errors import ChildCrashed, ChildOutOfMemory, InputError, StageError, TimedOut
+from neurframe_cli.errors import Cancelled, ChildCrashed, ChildOutOfMemory, InputError, StageError, TimedOut
 from neurframe_cli.mesh.arrays import Progress
 from neurframe_cli.process.child_output import ChildOutput
 from neurframe_cli.process.environment import child_environment
@@ -37,6 +37,7 @@ def run_child(
     *,
     name: str,
     timeout_s: float | None = None,
+    silence_s: float | None = None,
     memory_mib: float | None = None,
     env: Mapping[str, str] | None = None,
     threads: int | None = None,
@@ -44,18 +45,21 @@ def run_child(
     on_progress: Progress | None = None,
     on_line: Callable[[str], None] | None = None,
     accept: Sequence[int] = (0,),
+    should_stop: Callable[[], bool] | None = None,
 ) -> ChildResult:
     """Runs `argv` to its end in a process group of its own, with a clean environment plus `env`.
 
-    `name` is what messages call the child.  Limits: `timeout_s` wall seconds, `memory_mib` of resident memory
-    (child and descendants).  `progress FRACTION TEXT` lines on its stderr reach `on_progress`, the other lines
-    `on_line`.  When we end, for whatever reason, so does the child.
+    `name` is what messages call the child.  Limits: `timeout_s` wall seconds, `silence_s` wall seconds without
+    output, `memory_mib` of resident memory (child and descendants).  `progress FRACTION TEXT` lines on its stderr
+    reach `on_progress`, the other lines `on_line`.  When we end, for whatever reason, so does the child;
+    `should_stop` is asked ten times a second and ends it too, for callers in a thread, which no Ctrl-C reaches.
 
     Raises StageError when the program cannot be started or returns a code outside `accept` (InputError for
-    code 2), TimedOut, ChildOutOfMemory, ChildCrashed when a signal ended it.
+    code 2), TimedOut, ChildOutOfMemory, ChildCrashed when a signal ended it, Cancelled after should_stop.
     """
     child = _start(argv, name=name, env=child_environment(env, threads=threads), cwd=cwd)
-    watch = _Watch(child, name, ChildOutput(child, name, on_progress, on_line), timeout_s, memory_mib)
+    output = ChildOutput(child, name, on_progress, on_line)
+    watch = _Watch(child, name, output, _Limits(timeout_s, silence_s, memory_mib), should_stop)
     try:
         watch.until_end()
     finally:
@@ -87,6 +91,15 @@ def _start(
         ) from error
 
 
+@dataclass(frozen=True)
+class _Limits:
+    """None does not bind."""
+
+    timeout_s: float | None
+    silence_s: float | None
+    memory_mib: float | None
+
+
 class _Watch:
     """The loop around a running child: output, clock, memory."""
 
@@ -95,12 +108,12 @@ class _Watch:
         child: subprocess.Popen[bytes],
         name: str,
         output: ChildOutput,
-        timeout_s: float | None,
-        memory_mib: float | None,
+        limits: _Limits,
+        should_stop: Callable[[], bool] | None,
     ) -> None:
         self.child, self.name, self.output = child, name, output
-        self.timeout_s, self.memory_mib = timeout_s, memory_mib
-        self.started = time.monotonic()
+        self.limits, self.should_stop = limits, should_stop
+        self.started = self.last_heard = time.monotonic()
         self.peak_mib = 0.0
         self.cpu_seconds = 0.0
         self._next_memory_check = 0.0
@@ -108,10 +121,10 @@ class _Watch:
     def until_end(self) -> None:
         """Returns when the child has ended and its pipes are empty; raises when it goes over a limit."""
         while not self.has_ended():
-            if self.output.is_open:
-                self.output.read(POLL_S)
-            else:
+            if not self.output.is_open:
                 time.sleep(POLL_S)
+            elif self.output.read(POLL_S):
+                self.last_heard = time.monotonic()
             self._check_limits()
         while self.output.is_open and self.output.read(POLL_S):
             self._check_limits()
@@ -151,19 +164,29 @@ class _Watch:
         )
 
     def _check_limits(self) -> None:
-        if self.timeout_s is not None and time.monotonic() - self.started > self.timeout_s:
+        if self.should_stop is not None and self.should_stop():
+            raise Cancelled(f"{self.name} was stopped before its end")
+        now, limits = time.monotonic(), self.limits
+        if limits.timeout_s is not None and now - self.started > limits.timeout_s:
             raise TimedOut(
-                f"{self.name} was stopped after {self.timeout_s:.4g} seconds",
+                f"{self.name} was stopped after {limits.timeout_s:.4g} seconds",
                 hint="give it more time with --timeout, or make the problem coarser",
             )
-        if self.memory_mib is None or time.monotonic() < self._next_memory_check:
-            return
-        self._next_memory_check = time.monotonic() + POLL_S
+        if limits.silence_s is not None and now - self.last_heard > limits.silence_s:
+            raise TimedOut(
+                f"{self.name} was stopped: it had said nothing for {limits.silence_s:.4g} seconds",
+                hint="give it more time with --timeout",
+            )
+        if limits.memory_mib is not None and now >= self._next_memory_check:
+            self._next_memory_check = now + POLL_S
+            self._check_memory(limits.memory_mib)
+
+    def _check_memory(self, allowed_mib: float) -> None:
         resident = resident_mib(self.child.pid)
         self.peak_mib = max(self.peak_mib, resident)
-        if resident > self.memory_mib:
+        if resident > allowed_mib:
             raise ChildOutOfMemory(
-                f"{self.name} was stopped: it used {resident:.0f} MiB, allowed are {self.memory_mib:.0f} MiB",
+                f"{self.name} was stopped: it used {resident:.0f} MiB, allowed are {allowed_mib:.0f} MiB",
                 hint="make the problem coarser, or run it on a machine with more memory",
             )
 

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -26,13 +27,21 @@ MILESTONES = {"Tetrahedralization performed.": 0.05, "initializing...": 0.15}
 
 @dataclass(frozen=True)
 class TetwildSettings:
-    """fTetWild's arguments: lengths as fractions of the bounding-box diagonal, num_threads 0 for all cores."""
+    """fTetWild's arguments: lengths as fractions of the bounding-box diagonal, num_threads 0 for all cores.
+
+    decimate: whether the surface was decimated before, which fTetWild is not told.
+    """
 
     edge_length_fac: float
     epsilon: float
     simplify: bool = True
     num_threads: int = 1
     num_opt_iter: int = 80
+    decimate: bool = False
+
+    def arguments(self) -> dict[str, Any]:
+        """For pytetwild.tetrahedralize."""
+        return {name: value for name, value in asdict(self).items() if name != "decimate"}
 
 
 @dataclass(frozen=True)
@@ -58,6 +67,7 @@ def run_tetwild(
     *,
     seed: int,
     timeout_s: float,
+    silence_s: float | None,
     memory_mib: float,
     progress: Progress,
     scratch_dir: Path,
@@ -77,10 +87,11 @@ def run_tetwild(
             "neurframe_cli.stages.tetize_worker",
             source,
             target,
-            json.dumps(asdict(settings)),
+            json.dumps(settings.arguments()),
         ],
         name="fTetWild",
         timeout_s=timeout_s,
+        silence_s=silence_s,
         memory_mib=memory_mib,
         env=_environment(library, seed),
         cwd=scratch_dir,  # fTetWild leaves debugging files where it runs

@@ -13,6 +13,7 @@ from neurframe_cli.errors import ChildOutOfMemory, InvalidMesh, NeurframeError, 
 from neurframe_cli.mesh.arrays import Floats, Progress, Surface, TetMesh, as_surface
 from neurframe_cli.mesh.check_tets import checked_tets
 from neurframe_cli.mesh.clean_surface import CleaningReport
+from neurframe_cli.mesh.decimate_surface import decimated_surface
 from neurframe_cli.mesh.manifold_boundary import ManifoldReport, make_boundary_manifold
 from neurframe_cli.stages.run_tetwild import TetwildRun, TetwildSettings, run_tetwild
 from neurframe_cli.stages.tetize_check import Fit, fit, refuse_misfit
@@ -23,6 +24,10 @@ if TYPE_CHECKING:
 # of the time that is left, an attempt that has another one behind it gets this part
 TIME_SHARE = 0.6
 COARSEST = 0.25  # coarser than this a tet mesh says nothing about its shape
+# fTetWild's simplification of the input can run for ever, silently; a tenth of the time without a word, or this many
+# seconds, and the surface is decimated before it is given to fTetWild again
+SILENT_SHARE, LEAST_SILENCE_S = 0.1, 20.0
+DECIMATION_TOLERANCE = 0.25  # of epsilon
 SPARE_MIB = 512  # what is left to the rest of the machine when memory_mib is None
 
 
@@ -68,15 +73,16 @@ def first_success(task: Task) -> Success:
     options = task.options
     deadline = time.monotonic() + options.timeout_s
     first = settings = TetwildSettings(options.edge_length, options.epsilon, num_threads=options.threads)
+    manifold = task.report.nonmanifold_edges == 0
     attempts: list[Attempt] = []
     while True:
         started = time.monotonic()
-        share = TIME_SHARE if settings_after(first, settings, TimedOut("")) else 1.0
+        share = TIME_SHARE if settings_after(first, settings, TimedOut(""), manifold=manifold) else 1.0
         try:
             run, accepted = _attempt(task, settings, (deadline - started) * share)
         except (StageError, TimedOut) as error:
             attempts.append(Attempt(settings, f"{type(error).__name__}: {error}", time.monotonic() - started))
-            following = settings_after(first, settings, error)
+            following = settings_after(first, settings, error, manifold=manifold)
             if following is None or time.monotonic() >= deadline:
                 raise _final(error, attempts) from error
             settings = following
@@ -90,11 +96,16 @@ def first_success(task: Task) -> Success:
 def _attempt(task: Task, settings: TetwildSettings, timeout_s: float) -> tuple[TetwildRun, Accepted]:
     """One run and its checks; raises StageError or TimedOut."""
     boxed = _to_unit_box(task.surface)
+    given = boxed.surface
+    if settings.decimate:
+        diagonal = float(np.linalg.norm(np.ptp(given.V, axis=0)))
+        given = decimated_surface(given, DECIMATION_TOLERANCE * settings.epsilon * diagonal)
     run = run_tetwild(
-        boxed.surface,
+        given,
         settings,
         seed=task.options.seed,
         timeout_s=timeout_s,
+        silence_s=_longest_silence(task, settings),
         memory_mib=task.options.memory_mib or _free_mib(),
         progress=task.progress,
         scratch_dir=task.scratch_dir,
@@ -103,16 +114,28 @@ def _attempt(task: Task, settings: TetwildSettings, timeout_s: float) -> tuple[T
     return run, _accepted(run, boxed, task, settings.epsilon)
 
 
-def settings_after(first: TetwildSettings, last: TetwildSettings, error: Exception) -> TetwildSettings | None:
+def _longest_silence(task: Task, settings: TetwildSettings) -> float | None:
+    """Seconds; None where there is nothing to do against a simplification that never ends."""
+    if settings.decimate or not settings.simplify or task.report.nonmanifold_edges:
+        return None
+    return max(SILENT_SHARE * task.options.timeout_s, LEAST_SILENCE_S)
+
+
+def settings_after(
+    first: TetwildSettings, last: TetwildSettings, error: Exception, *, manifold: bool
+) -> TetwildSettings | None:
     """What to try after `last` failed with `error`, None where nothing is left.
 
-    Too slow or too large: twice the edge length, up to four times the first.  Anything else: without fTetWild's
+    Too slow or too large: fewer triangles where the surface is `manifold`, which decimation asks for, then twice the
+    edge length, up to four times the first.  Anything else: without fTetWild's
     simplification of the input, then (unless it returned nothing) with twice the envelope, then coarser as well.
     """
     doubled = 2 * last.edge_length_fac
     coarser = replace(last, edge_length_fac=doubled, simplify=True)
     coarse_enough = doubled > min(COARSEST, 4 * first.edge_length_fac)
     if isinstance(error, TimedOut | ChildOutOfMemory):
+        if manifold and not last.decimate:
+            return replace(last, decimate=True)
         return None if coarse_enough else coarser
     if last == first:
         return replace(last, simplify=False)
@@ -185,7 +208,8 @@ def _other_settings(attempts: list[Attempt]) -> list[str]:
         return []
     return [
         f"needed {len(attempts)} attempts, the first ended with {attempts[0].outcome}; reached with edge length "
-        f"{last.edge_length_fac:g}, epsilon {last.epsilon:g}, simplification {'on' if last.simplify else 'off'}"
+        f"{last.edge_length_fac:g}, epsilon {last.epsilon:g}, simplification {'on' if last.simplify else 'off'}, "
+        f"{'decimated' if last.decimate else 'all'} triangles"
     ]
 
 
