@@ -12,7 +12,8 @@
     │   ├── ChildOutOfMemory     a child process went over its memory limit
     │   └── WorkspaceBusy        another process writes in the workspace
     ├── NotValid              4  finished, but the mesh does not pass its checks
-    └── TimedOut            124  a time limit was reached
+    ├── TimedOut            124  a time limit was reached
+    └── Cancelled           130  whoever had asked for it does not want it any more
 
 Ctrl-C and SIGTERM are KeyboardInterrupt, which no handler of errors takes for one, and end with exit code 130.
 
@@ -79,3 +80,7 @@ class NotValid(NeurframeError):
 
 class TimedOut(NeurframeError):
     exit_code = 124
+
+
+class Cancelled(NeurframeError):
+    exit_code = 130
