@@ -107,6 +107,24 @@ def on_terminal(command: list[str]) -> str:
     return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", written.decode())
 
 
+def test_report_is_written_once_and_a_failing_one_spoils_no_mesh(
+    made: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with monkeypatch.context() as patch:
+
+        def broken(folder: Path) -> Path:
+            raise ZeroDivisionError("what a pity")
+
+        patch.setattr("neurframe_cli.pipeline.report_step.write_report", broken)
+        assert run_command_line(arguments(made, "--report")) == 0
+        assert "report.html was not written: ZeroDivisionError: what a pity" in capsys.readouterr().err
+    assert run_command_line(arguments(made, "--report")) == 0
+    assert str(made / "report.html") in capsys.readouterr().out
+    written = (made / "report.html").stat().st_mtime_ns
+    assert run_command_line(arguments(made, "--report")) == 0
+    assert (made / "report.html").stat().st_mtime_ns == written
+
+
 def parameters(*given: str) -> dict[str, Any]:
     """What the callback of `run` would get."""
     command = group.get_command(click.Context(group), "run")

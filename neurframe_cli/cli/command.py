@@ -13,7 +13,8 @@ from neurframe_cli.cli.settings import GLOBAL_OPTIONS, Settings
 from neurframe_cli.errors import UsageError
 
 _GLOBAL_NAMES = [option.name or "" for option in GLOBAL_OPTIONS()]
-_FILES = "neurframe_cli.config_files"  # key in the context's meta
+# keys in the context's meta
+_FILES, _SETTINGS = "neurframe_cli.config_files", "neurframe_cli.settings"
 
 
 class StageCommand(click.Command):
@@ -45,6 +46,7 @@ class StageCommand(click.Command):
         """Run the callback with a console and the number of threads."""
         own = Settings.from_options({name: ctx.params.pop(name, None) for name in _GLOBAL_NAMES})
         settings = (ctx.obj or Settings()).merged(own)
+        ctx.meta[_SETTINGS] = settings
         ctx.params["threads"] = settings.apply_threads()
         with (
             Console(settings.verbosity, settings.log_json) as console,
@@ -71,3 +73,9 @@ def config_files_of(ctx: click.Context) -> list[Path]:
     """The config files that lie under the command line of `ctx`, strongest first."""
     files: list[Path] = ctx.meta[_FILES]
     return files
+
+
+def settings_of(ctx: click.Context) -> Settings:
+    """The global options as they were given, before or after the command's name."""
+    settings: Settings = ctx.meta[_SETTINGS]
+    return settings

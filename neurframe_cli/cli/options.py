@@ -88,7 +88,7 @@ def limit_options(timeout_s: float, what: str) -> Callable[[Command], Command]:
         click.option(
             "--memory",
             type=click.IntRange(64),
-            help="MiB for a child process.  [default: what is free]",
+            help=f"MiB for {what}.  [default: what is free]",
         ),
     )
 
@@ -193,6 +193,28 @@ discretize_options = options(
     pictures_option,
 )
 
+
+quad_options = options(
+    click.option(
+        "--adaptive",
+        type=FiniteRange(0, 1),
+        is_flag=False,
+        flag_value=0.5,
+        help="Smaller quads where the surface bends, by this much: from 0 (equal quads) to 1; 0.5 without a number.",
+    ),
+    click.option(
+        "--symmetry",
+        type=click.Choice(["x", "y", "z"]),
+        help="Make the quads an exact mirror image of themselves across this axis.",
+    ),
+    click.option(
+        "--field",
+        type=click.Choice(["neural", "surface"]),
+        default="neural",
+        show_default=True,
+        help="surface: the smoothest crosses of the surface alone, the baseline without a trained field.",
+    ),
+)
 
 scale_option = click.option(
     "--scale",

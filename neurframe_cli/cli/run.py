@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -29,8 +28,6 @@ if TYPE_CHECKING:
     from neurframe_cli.pipeline.mesh_step import MeshRequest
     from neurframe_cli.pipeline.runner import Step
     from neurframe_cli.pipeline.workspace import Workspace
-
-REPORT = "report.html"
 
 
 class RunCommand(StageCommand):
@@ -68,8 +65,8 @@ def command(
     from neurframe_cli.cli.run_summary import result_lines
     from neurframe_cli.pipeline.workspace import Workspace, workspace_folder, workspace_for_input
 
-    kinds = _kinds(quad, hexes)
-    _refuse_ambiguous(kinds, values)
+    kinds = kinds_of(quad, hexes)
+    refuse_ambiguous(kinds, values)
     requests = mesh_request(kinds, values, threads)
     if dry_run:
         found = Workspace(workspace_folder(model, workspace))
@@ -107,16 +104,17 @@ class Job:
         }
 
 
-def _kinds(quad: bool, hexes: bool) -> list[Kind]:
+def kinds_of(quad: bool, hexes: bool) -> list[Kind]:
+    """What is to be made: both where neither was asked for."""
     asked: list[Kind] = ["quad"] if quad else []
     asked += ["hex"] if hexes else []
     return asked or ["quad", "hex"]
 
 
-def _refuse_ambiguous(kinds: list[Kind], values: dict[str, Any]) -> None:
-    """A size or a file name means one mesh."""
+def refuse_ambiguous(kinds: list[Kind], values: Mapping[str, Any]) -> None:
+    """Raises UsageError where a size or a file name is given for two meshes."""
     for name in ("scale", "edge_length", "output"):
-        if values[name] is not None and len(kinds) > 1:
+        if values.get(name) is not None and len(kinds) > 1:
             option = name.replace("_", "-")
             raise UsageError(
                 f"--{option} is for one mesh, two would be made", hint=f"add --quad or --hex to --{option}"
@@ -145,19 +143,15 @@ def _run_all(job: Job, console: Console) -> NeurframeError | None:
 
 def _write_report(workspace: Workspace, console: Console) -> None:
     """report.html, unless nothing has changed since it was written; a report that fails spoils no mesh."""
-    from neurframe_cli.pipeline.atomic import atomic_path
     from neurframe_cli.pipeline.manifest import MANIFEST_NAME
+    from neurframe_cli.pipeline.report_step import REPORT, write_report
 
-    write_report = getattr(importlib.import_module("neurframe_cli.report"), "write_report", None)
-    if write_report is None:
-        return
     path = workspace / REPORT
     if path.is_file() and path.stat().st_mtime_ns >= (workspace / MANIFEST_NAME).stat().st_mtime_ns:
         return
     try:
-        with atomic_path(path) as temporary:
-            write_report(workspace.folder, temporary)
-    except Exception as error:  # whatever it is, the meshes are there and what the user asked for
+        write_report(workspace.folder)
+    except Exception as error:  # whatever it is, the meshes are there, and they are what the user asked for
         console.log.warning("%s was not written: %s: %s", path, type(error).__name__, error)
 
 

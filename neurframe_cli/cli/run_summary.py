@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from neurframe_cli.cli.chain import Kind, mesh_kind, summary
 from neurframe_cli.pipeline.manifest import StageRecord, read_manifest
+from neurframe_cli.pipeline.report_step import REPORT
 from neurframe_cli.pipeline.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ def result_lines(workspace: Workspace, kinds: Sequence[Kind]) -> Iterator[str]:
     for kind in kinds:
         if kind in stages:
             yield from _mesh_lines(workspace, kind, stages[kind])
+    if (workspace / REPORT).is_file():
+        yield f"report: {workspace / REPORT}"
     seconds = sum(record.seconds for record in stages.values())
     peak = max((record.peak_mib for record in stages.values()), default=0.0)
     yield f"{workspace.folder}: {seconds:.0f} s in all stages, peak {peak:,.0f} MiB"

@@ -1,0 +1,1 @@
+"""Many models: jobs, where they run, what came of them."""
