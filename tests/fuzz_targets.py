@@ -28,7 +28,7 @@ from neurframe_cli.mesh.write_cells import write_cells
 from neurframe_cli.mesh.write_mesh import write_surface, write_tets
 from neurframe_cli.pipeline.executables import find_executable
 from neurframe_cli.pipeline.manifest import Manifest, StageRecord, read_manifest, write_manifest
-from neurframe_cli.pipeline.quad_step import read_crosses
+from neurframe_cli.pipeline.quad_source import read_crosses
 
 CPU_LIMIT_S = 20  # CPU and not wall seconds: a busy machine is no hang
 MEMORY_LIMIT = 4 << 30

@@ -35,6 +35,10 @@ _TRAIN_OPTIONS = (
 )
 
 
+# options of `neurframe quad` that QuadOptions knows by the same name; `neurframe run` has not all of them
+_QUAD_OPTIONS = ("adaptive", "symmetry", "field", "surface_file")
+
+
 def tetize_of(model: Path, values: Mapping[str, Any]) -> Step:
     """INPUT -> tets."""
     from neurframe_cli.pipeline.tetize_step import tetize_step
@@ -88,15 +92,17 @@ def mesh_request(kinds: Sequence[Kind], values: Mapping[str, Any], threads: int)
     from neurframe_cli.mesh.write_cells import check_output
     from neurframe_cli.pipeline.mesh_step import MeshRequest
     from neurframe_cli.pipeline.native import Limits
+    from neurframe_cli.pipeline.quad_source import QuadOptions
     from neurframe_cli.pipeline.sizing import element_size
 
+    quads = QuadOptions(**{name: values[name] for name in _QUAD_OPTIONS if name in values})
     limits = Limits(values["timeout"], values["memory"], threads)
     requests: dict[Kind, MeshRequest] = {}
     for kind in kinds:
         if values["output"] is not None:
             check_output(values["output"], kind)
         size = element_size(values["scale"], values["edge_length"], values.get("count"), DEFAULT_SCALES[kind])
-        requests[kind] = MeshRequest(size, values["feature_angle"], limits, values["pictures"])
+        requests[kind] = MeshRequest(size, values["feature_angle"], limits, values["pictures"], quads)
     return requests
 
 

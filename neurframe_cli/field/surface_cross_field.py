@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 # Diffusion times in units of the surface area.  The last ones only straighten what a coarser one has found.
 DIFFUSION_TIMES: Sequence[float] = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
+RELAXATION_TIMES: Sequence[float] = (1e-3, 3e-4, 1e-4)
 _DEGREE = 4
 
 
@@ -30,14 +31,37 @@ def surface_cross_field(V: Floats, F: Ints, features: Ints) -> Floats:
     follow.  Boundary edges are followed too.  A face with several such edges follows the mean of their crosses.
     Deterministic.  Raises ValueError when a triangle has no area.
     """
+    return _diffused(V, F, features, DIFFUSION_TIMES, None)
+
+
+def relaxed_cross_field(V: Floats, F: Ints, features: Ints, directions: Floats) -> Floats:
+    """Crosses (m,2,3) as above, but from given ones on: diffused so briefly that they change near the features only.
+
+    directions (k,m,3): for each of k fields, one direction a triangle; the start is the mean of these crosses.
+    """
+    return _diffused(V, F, features, RELAXATION_TIMES, directions)
+
+
+def _diffused(
+    V: Floats, F: Ints, features: Ints, times: Sequence[float], directions: Floats | None
+) -> Floats:
     frames, area = face_frames(V, F)
     angles = _edge_angles(V, F, frames)
     laplacian = _dual_laplacian(V, F, area, angles)
     fixed, values = _constraints(F, features, angles)
-    z = _start(laplacian, area, fixed, values)
-    for time in DIFFUSION_TIMES:
+    if directions is None:
+        z = _start(laplacian, area, fixed, values)
+    else:
+        z = _unit(_numbers(frames, directions).sum(axis=0))
+    for time in times:
         z = _diffuse(laplacian, area, time * area.sum(), z, fixed, values)
     return _crosses(frames, np.angle(z) / _DEGREE)
+
+
+def _numbers(frames: Floats, directions: Floats) -> Any:
+    """The complex numbers (k,m) of the crosses with these directions (k,m,3), projected to the triangles."""
+    x, y = np.einsum("kmj,maj->akm", directions, frames)
+    return np.exp(1j * _DEGREE * np.arctan2(y, x))
 
 
 def face_frames(V: Floats, F: Ints) -> tuple[Floats, Floats]:

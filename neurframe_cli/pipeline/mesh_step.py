@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,6 +18,7 @@ from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
 from neurframe_cli.pipeline.checking import check_file
 from neurframe_cli.pipeline.native import Limits, ProgramResult, run_program
 from neurframe_cli.pipeline.pictures import draw_or_warn
+from neurframe_cli.pipeline.quad_source import QuadOptions
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.sizing import ElementSize
 from neurframe_cli.pipeline.workspace import Workspace
@@ -25,12 +26,13 @@ from neurframe_cli.pipeline.workspace import Workspace
 
 @dataclass(frozen=True)
 class MeshRequest:
-    """What the user asked for."""
+    """What the user asked for; `quads` matters for quads only."""
 
     size: ElementSize
     feature_angle_deg: float
     limits: Limits
     pictures: bool
+    quads: QuadOptions = field(default_factory=QuadOptions)
 
 
 @dataclass(frozen=True)

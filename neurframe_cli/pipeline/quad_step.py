@@ -1,4 +1,4 @@
-"""quad on files: cross.npz -> map.obj -> quad.obj."""
+"""quad on files: crosses -> map.obj -> quad.obj."""
 
 from __future__ import annotations
 
@@ -8,74 +8,96 @@ from pathlib import Path
 
 import numpy as np
 
-from neurframe_cli.errors import UnreadableFile
-from neurframe_cli.mesh.arrays import Floats, Surface
-from neurframe_cli.mesh.check_tets import check_indices
-from neurframe_cli.mesh.open_file import check_file, foreign_reader
-from neurframe_cli.mesh.optimize.smooth import SmoothOptions
+from neurframe_cli.mesh.arrays import Features, Floats
+from neurframe_cli.mesh.features import features_by_angle
+from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
 from neurframe_cli.mesh.read_cells import CellMesh
-from neurframe_cli.mesh.read_surface import read_surface
-from neurframe_cli.mesh.write_mesh import write_surface
-from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
-from neurframe_cli.pipeline.discretize_step import CROSSES
-from neurframe_cli.pipeline.mesh_step import MadeMesh, MeshKind, MeshRequest, Model, extract, mesh_step, part
-from neurframe_cli.pipeline.native import ProgramResult, run_program
+from neurframe_cli.pipeline.mesh_step import MadeMesh, MeshKind, MeshRequest, Model, mesh_step, part
+from neurframe_cli.pipeline.quad_map import MappedQuads, MapProblem, mapped_quads
+from neurframe_cli.pipeline.quad_source import CrossCarrier, quad_inputs, read_carrier, read_model
 from neurframe_cli.pipeline.runner import StageContext, Step
-from neurframe_cli.pipeline.tetize_step import SURFACE
 from neurframe_cli.pipeline.workspace import Workspace
+from neurframe_cli.stages.curvature_sizing import SizingOptions, curvature_sizing
+from neurframe_cli.stages.mirror_plane import mirror_plane
 from neurframe_cli.stages.smooth_quads import smooth_quads
+from neurframe_cli.stages.symmetric_quads import half_model, mirrored_quads
+
+SYMMETRY_TOLERANCE = (
+    0.005  # bounding-box diagonals; half of the distance at which a mesh is not valid any more
+)
 
 
 def quad_step(workspace: Workspace, request: MeshRequest) -> Step:
     """The stage bound to its files (paper, section 5.1.1)."""
-    inputs = {
-        SURFACE: workspace.require(SURFACE, "tetize INPUT"),
-        CROSSES: workspace.require(CROSSES, "discretize"),
-    }
-    return mesh_step(QUAD, inputs, request, lambda: read_surface(inputs[SURFACE]), {})
-
-
-def read_crosses(path: Path) -> tuple[Surface, Floats]:
-    """The surface and its crosses (m,2,3) from cross.npz; raises UnreadableFile or InvalidMesh."""
-    check_file(path)
-    # numpy leaves a file open that it opened itself and cannot read
-    with foreign_reader(path, "numpy"), path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-        V, F, crosses = (stored[name] for name in ("V", "F", "crosses"))
-        V, F, crosses = V.astype(np.float64), F.astype(np.int64), crosses.astype(np.float64)
-    if V.shape[1:] != (3,) or F.shape[1:] != (3,) or crosses.shape != (len(F), 2, 3):
-        raise UnreadableFile(
-            f"{path}: {V.shape} positions, {F.shape} triangles, {crosses.shape} crosses do not fit together",
-            hint="neurframe discretize --force makes the file again",
-        )
-    check_indices(V, F, path, "triangle")
-    return Surface(V, F), crosses
+    inputs = quad_inputs(workspace, request.quads)
+    # the file is an input, known by its content and not by its name
+    keyed = {name: value for name, value in asdict(request.quads).items() if name != "surface_file"}
+    return mesh_step(QUAD, inputs, request, lambda: read_model(inputs), keyed)
 
 
 def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, request: MeshRequest) -> MadeMesh:
-    """Parametrize, extract, smooth."""
-    carrier, crosses = read_crosses(inputs[CROSSES])
-    parametrization = _parametrize(context, carrier, crosses, model, request)
-    extraction, raw = extract(
-        QUAD, context, request.limits, parametrization, part(context.progress, 0.5, 0.7)
+    """Parametrize, extract, smooth, and mirror where a symmetry was asked for."""
+    length = request.size.length(model.surface)
+    carrier = read_carrier(inputs, model.surface, request.feature_angle_deg, length)
+    followed = features_by_angle(carrier.surface.V, carrier.surface.F, request.feature_angle_deg)
+    sizing = None
+    if request.quads.adaptive is not None:
+        sizing = curvature_sizing(carrier.surface, followed, length, SizingOptions(request.quads.adaptive))
+    if request.quads.symmetry is not None:
+        return _make_symmetric(context, model, carrier, followed, sizing, request)
+    mapped = mapped_quads(QUAD, context, _problem(carrier, sizing, length, request, copies=1))
+    smoothed = _smoothed(context, mapped.cells, model)
+    return _made(mapped, smoothed, CellMesh("quad", smoothed.V, mapped.cells.cells))
+
+
+def _make_symmetric(
+    context: StageContext,
+    model: Model,
+    carrier: CrossCarrier,
+    followed: Features,
+    sizing: Floats | None,
+    request: MeshRequest,
+) -> MadeMesh:
+    """All of it for one half, with the cut as a feature, and then the mirror image; map.obj is that of the half."""
+    assert request.quads.symmetry is not None
+    rng = np.random.default_rng(0)
+    plane = mirror_plane(model.surface, request.quads.symmetry, SYMMETRY_TOLERANCE, rng)
+    half = half_model(plane, model.surface, model.features, carrier.surface, carrier.crosses, followed)
+    problem = _problem(
+        CrossCarrier(half.carrier.surface, half.crosses),
+        None if sizing is None else half.carrier.interpolate(sizing),
+        request.size.length(model.surface),
+        request,
+        copies=2,
     )
+    mapped = mapped_quads(QUAD, context, problem)
+    smoothed = _smoothed(context, mapped.cells, Model(half.surface, half.features))
+    whole = CellMesh("quad", *mirrored_quads(smoothed.V, mapped.cells.cells, plane))
+    return _made(mapped, smoothed, whole)
+
+
+def _problem(
+    carrier: CrossCarrier, sizing: Floats | None, length: float, request: MeshRequest, copies: int
+) -> MapProblem:
+    count = request.size.count
+    return MapProblem(
+        carrier,
+        sizing,
+        length if count is None else None,
+        None if count is None else max(1, round(count / copies)),
+        request.feature_angle_deg,
+        request.limits,
+    )
+
+
+def _smoothed(context: StageContext, raw: CellMesh, model: Model) -> SmoothedMesh:
     progress = part(context.progress, 0.7, 0.9)
-    smoothed = smooth_quads(raw.V, raw.cells, model.surface, model.features, SmoothOptions(), progress)
-    cells = CellMesh(raw.kind, smoothed.V, raw.cells)
-    return MadeMesh(cells, parametrization, extraction, {"smoothing": asdict(smoothed.report)})
+    return smooth_quads(raw.V, raw.cells, model.surface, model.features, SmoothOptions(), progress)
 
 
-def _parametrize(
-    context: StageContext, carrier: Surface, crosses: Floats, model: Model, request: MeshRequest
-) -> ProgramResult:
-    size = request.size.arguments(model.surface, "--target-faces")
-    size += ["--feature-angle", repr(request.feature_angle_deg)]
-    with scratch_folder(context.workspace.folder) as scratch:
-        files = scratch / "surface.obj", scratch / "crosses.txt"
-        write_surface(files[0], carrier)
-        np.savetxt(files[1], crosses.reshape(-1, 6), fmt="%.17g")
-        with atomic_path(context.workspace / QUAD.map_name) as path:
-            arguments: list[str | Path] = [*files, "-o", path, *size]
-            return run_program("miq", arguments, request.limits, part(context.progress, 0.0, 0.5))
+def _made(mapped: MappedQuads, smoothed: SmoothedMesh, cells: CellMesh) -> MadeMesh:
+    report = {"smoothing": asdict(smoothed.report)}
+    return MadeMesh(cells, mapped.parametrization, mapped.extraction, report)
 
 
 QUAD = MeshKind(

@@ -46,9 +46,9 @@ class Classified:
 def classify(X: Floats, faces: Ints, surface: Surface, features: Features, voids: bool) -> Classified:
     """Constraints of vertices X (n,3); faces (f,4) are the quads, or the boundary quads of a hex mesh.
 
-    Vertices of matched corners are pinned to them, those on matched curves slide on these, other vertices of `faces`
-    slide on the part of the surface that the matched curves cut out and their part of the mesh lies on; the rest is
-    free.
+    Vertices of matched corners are pinned to them unless these are loose ends of a curve, those on matched curves
+    slide on these, other vertices of `faces` slide on the part of the surface that the matched curves cut out and
+    their part of the mesh lies on; the rest is free.
     """
     curves = feature_curves(surface, features)
     matched = match_features(surface.V, curves, X, faces)
@@ -65,13 +65,21 @@ def classify(X: Floats, faces: Ints, surface: Surface, features: Features, voids
         start[found.path] = _in_order(points, X[found.path])
         kind[found.path] = ON_CURVE
         tracks.append(Track(curve_tree(points), found.path))
-    kind[matched.corners[:, 1]] = PINNED
+    held = ~_loose_ends(curves)[matched.corners[:, 0]]
+    kind[matched.corners[held, 1]] = PINNED
     pins[matched.corners[:, 1]] = surface.V[curves.corners[matched.corners[:, 0]]]
     tracks = [Track(t.tree, np.unique(t.vertices[kind[t.vertices] == ON_CURVE])) for t in tracks]
     for t, tree in enumerate(patches.trees):
         tracks.append(Track(tree, np.flatnonzero((patches.of_vertex == t) & (kind == ON_SURFACE))))
     constraints = Constraints(kind, pins, [t for t in tracks if len(t.vertices)])
     return Classified(constraints, patches, start, _counts(curves, matched, kind, off))
+
+
+def _loose_ends(curves: FeatureCurves) -> Bools:
+    """Which corners (c,) are no more than the end of one curve: where a crease fades out no vertex need be."""
+    ends = np.array([(c[0], c[-1]) for c in curves.curves], np.int64).reshape(-1)
+    use = np.bincount(ends, minlength=int(curves.corners.max(initial=0)) + 1)
+    return np.asarray(use[curves.corners] == 1)
 
 
 def _counts(curves: FeatureCurves, matched: MatchedFeatures, kind: Ints, off: Bools) -> Classification:
