@@ -34,8 +34,7 @@ def read_vtp(path: Path) -> PolyLines:
     reader.SetFileName(str(path))
     if not path.is_file() or not reader.CanReadFile(str(path)):
         raise UnreadableFile(f"{path} is no VTK file of polygons and lines")
-    reader.Update()
-    if reader.GetErrorCode():
+    if not _updated(reader):
         raise UnreadableFile(f"{path} is damaged")
     mesh = reader.GetOutput()
     points = mesh.GetPoints()
@@ -54,3 +53,15 @@ def read_vtp(path: Path) -> PolyLines:
             for i in range(t.GetNumberOfArrays())
         },
     )
+
+
+def _updated(reader: Any) -> bool:
+    """Whether the reader could read its file; what it has to say of one that it cannot goes to nobody's screen."""
+    from vtkmodules.vtkCommonCore import vtkObject
+
+    shown = vtkObject.GetGlobalWarningDisplay()
+    vtkObject.SetGlobalWarningDisplay(0)
+    try:
+        return bool(reader.GetExecutive().Update()) and not reader.GetErrorCode()
+    finally:
+        vtkObject.SetGlobalWarningDisplay(shown)
