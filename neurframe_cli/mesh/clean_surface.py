@@ -10,6 +10,7 @@ import numpy as np
 from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Floats, Ints, Surface, as_surface
 from neurframe_cli.mesh.check_tets import check_indices
+from neurframe_cli.mesh.inner_shells import inner_shells
 from neurframe_cli.mesh.orient_surface import orient
 from neurframe_cli.mesh.self_intersections import self_intersections
 from neurframe_cli.mesh.surface_edges import surface_edges
@@ -26,7 +27,8 @@ class CleaningReport:
     """What was found and done.
 
     welded: vertices that fell together or were unused; degenerate, duplicate: triangles dropped; turned: triangles
-    turned round; open_edges, nonmanifold_edges: edges with one triangle, with three or more; components: parts
+    turned round; inner_sheets: triangles of walls inside the solid, dropped; nested: closed shells in solid material,
+    which bound nothing; open_edges, nonmanifold_edges: edges with one triangle, with three or more; components: parts
     connected over vertices; euler: V - E + F; genus: sum over the parts of a closed manifold surface, None otherwise;
     self_intersections: pairs of triangles that meet without a common vertex.
     """
@@ -35,6 +37,8 @@ class CleaningReport:
     degenerate: int
     duplicate: int
     turned: int
+    inner_sheets: int
+    nested: int
     open_edges: int
     nonmanifold_edges: int
     components: int
@@ -48,8 +52,8 @@ class CleaningReport:
 
     @property
     def bounds_a_solid(self) -> bool:
-        """Closed, manifold and nowhere through itself: inside and outside are beyond doubt."""
-        return self.genus is not None and self.self_intersections == 0
+        """Closed, manifold, nowhere through itself or within itself: inside and outside are beyond doubt."""
+        return self.genus is not None and self.self_intersections == 0 and self.nested == 0
 
 
 def clean_surface(surface: Surface, name: str | Path = "surface") -> tuple[Surface, CleaningReport]:
@@ -70,8 +74,11 @@ def clean_surface(surface: Surface, name: str | Path = "surface") -> tuple[Surfa
     V, F = V[used], F.reshape(-1, 3)
     oriented = orient(V, F)
     turned = int((oriented != F).any(axis=1).sum())
-    counts = (len(surface.V) - len(V), degenerate, duplicate, turned)
-    return as_surface(V, oriented), _report(V, oriented, counts)
+    inner = inner_shells(V, oriented)
+    used, F = np.unique(inner.F, return_inverse=True)
+    V, F = V[used], F.reshape(-1, 3)
+    counts = (len(surface.V) - len(V), degenerate, duplicate, turned, inner.dropped, inner.nested)
+    return as_surface(V, F), _report(V, F, counts)
 
 
 def _refuse_unusable(surface: Surface, name: str | Path) -> None:
@@ -102,7 +109,7 @@ def _drop(F: Ints) -> tuple[Ints, int, int]:
     return kept[np.sort(first)], int((~proper).sum()), len(kept) - len(first)
 
 
-def _report(V: Floats, F: Ints, counts: tuple[int, int, int, int]) -> CleaningReport:
+def _report(V: Floats, F: Ints, counts: tuple[int, int, int, int, int, int]) -> CleaningReport:
     import igl
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components

@@ -64,7 +64,10 @@ def _volume(V: Floats, F: Ints, is_closed: bool) -> float:
         return enclosed_volume(V, F)
     directed = directed_edges(F)
     _, edge_of, count = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True)
-    middle = V[directed[count[edge_of.reshape(-1)] == 1]].mean(axis=(0, 1))
+    border = directed[count[edge_of.reshape(-1)] == 1]
+    if len(border) == 0:  # closed and not orientable, a Klein bottle: no volume has a meaning
+        return 0.0
+    middle = V[border].mean(axis=(0, 1))
     cones = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
     volume = float(np.einsum("ij,ij->", cones, V[F[:, 0]] - middle) / 6)
     ball = (np.linalg.norm(cones, axis=1).sum() / 2) ** 1.5 / (6 * np.sqrt(np.pi))

@@ -181,6 +181,8 @@ def _cleaning_warnings(report: CleaningReport) -> list[str]:
         "degenerate triangles dropped": report.degenerate,
         "duplicate triangles dropped": report.duplicate,
         "triangles turned round": report.turned,
+        "triangles of walls inside the solid dropped": report.inner_sheets,
+        "shells lie inside solid material and bound nothing": report.nested,
         "open edges": report.open_edges,
         "non-manifold edges": report.nonmanifold_edges,
         "pairs of triangles that cross or touch": report.self_intersections,

@@ -67,7 +67,8 @@ def refuse_misfit(found: Fit, epsilon: float, report: CleaningReport) -> list[st
         problems.append(f"the tets have {found.volume_ratio:.3f} times the volume that the surface encloses")
     too_far = found.boundary_to_input > ALLOWED_OF_MESSY
     if problems and (report.bounds_a_solid or too_far):
-        raise StageError("; ".join(problems))
+        missing = found.input_to_boundary > allowed
+        raise StageError("; ".join(problems), hint="try a smaller --edge-length" if missing else None)
     return problems
 
 
