@@ -18,6 +18,12 @@ HEAD = re.compile(rb"\s*(?:ST)?C?N?OFF\b(?P<binary>[ \t]+BINARY)?")
 
 def read_off(path: Path) -> Surface:
     """The triangulated faces of an OFF file; raises UnreadableFile, UnsupportedFormat."""
+    V, polygons = read_off_polygons(path)
+    return as_surface(V, triangulate(V, polygons))
+
+
+def read_off_polygons(path: Path) -> tuple[Floats, list[list[int]]]:
+    """V (n,3) and the faces of an OFF file as they stand there; raises UnreadableFile, UnsupportedFormat."""
     content = read_bytes(path).removeprefix(b"\xef\xbb\xbf")
     head = HEAD.match(COMMENT.sub(b"", content[:4096]))
     if head is None or head["binary"]:
@@ -30,7 +36,7 @@ def read_off(path: Path) -> Surface:
     polygons = [_polygon(path, line) for line in lines[1 + vertex_count : 1 + vertex_count + face_count]]
     if any(max(polygon) >= vertex_count or min(polygon) < 0 for polygon in polygons):
         raise UnreadableFile(f"{path}: a face names a vertex beyond the {vertex_count} of the file")
-    return as_surface(V, triangulate(V, polygons))
+    return V, polygons
 
 
 def _counts(path: Path, counts: list[float], line_count: int) -> tuple[int, int]:

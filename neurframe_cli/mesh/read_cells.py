@@ -1,4 +1,4 @@
-"""Reading quad and hex meshes, whatever format meshio knows."""
+"""Reading quad and hex meshes: OFF, and whatever format meshio knows."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Floats, Ints
+from neurframe_cli.mesh.off import read_off_polygons
 from neurframe_cli.mesh.open_file import check_file, foreign_reader
 
 
@@ -31,13 +32,8 @@ def read_cells(path: Path) -> CellMesh:
     Raises UnreadableFile, or InvalidMesh where there are none, where other cells are mixed in, or where an index or a
     coordinate is no use.
     """
-    import meshio
-
     check_file(path)
-    with foreign_reader(path, "meshio"):
-        mesh = meshio.read(path)
-        blocks = {kind: np.asarray(cells, np.int64) for kind, cells in mesh.cells_dict.items()}
-        V = np.asarray(mesh.points, np.float64)
+    V, blocks = _off_blocks(path) if path.suffix.lower() == ".off" else _meshio_blocks(path)
     kind, name = ("hex", "hexahedron") if "hexahedron" in blocks else ("quad", "quad")
     if name not in blocks:
         raise InvalidMesh(f"{path}: no quads and no hexahedra, only {', '.join(sorted(blocks)) or 'nothing'}")
@@ -50,3 +46,24 @@ def read_cells(path: Path) -> CellMesh:
     if cells.size == 0 or cells.min() < 0 or cells.max() >= len(V):
         raise InvalidMesh(f"{path}: a cell names a vertex that is not there (the file has {len(V)})")
     return CellMesh(kind, np.pad(V, ((0, 0), (0, 3 - V.shape[1]))), cells)
+
+
+def _meshio_blocks(path: Path) -> tuple[Floats, dict[str, Ints]]:
+    """Positions, and the cells by meshio's name of their kind."""
+    import meshio
+
+    with foreign_reader(path, "meshio"):
+        mesh = meshio.read(path)
+        blocks = {kind: np.asarray(cells, np.int64) for kind, cells in mesh.cells_dict.items()}
+        return np.asarray(mesh.points, np.float64), blocks
+
+
+def _off_blocks(path: Path) -> tuple[Floats, dict[str, Ints]]:
+    """The same of an OFF file, of which meshio reads triangles only."""
+    V, polygons = read_off_polygons(path)
+    names = {2: "line", 3: "triangle", 4: "quad"}
+    blocks = {}
+    for corners in sorted({len(polygon) for polygon in polygons}):
+        rows = [polygon for polygon in polygons if len(polygon) == corners]
+        blocks[names.get(corners, f"polygon of {corners} corners")] = np.array(rows, np.int64)
+    return V, blocks

@@ -13,8 +13,8 @@ from neurframe_cli.mesh.read_cells import CellMesh
 
 # what the writers of meshio cannot do with quads or hexes is refused by name here instead of half done
 FORMATS = {
-    "quad": (".obj", ".ply", ".off", ".vtk", ".vtu", ".mesh", ".msh", ".inp", ".bdf", ".xdmf", ".glb"),
-    "hex": (".vtk", ".vtu", ".mesh", ".msh", ".inp", ".bdf", ".xdmf"),
+    "quad": (".obj", ".ply", ".off", ".vtk", ".vtu", ".mesh", ".msh", ".inp", ".bdf", ".glb"),
+    "hex": (".vtk", ".vtu", ".mesh", ".msh", ".inp", ".bdf"),
 }
 
 
@@ -35,6 +35,10 @@ def write_cells(path: Path, mesh: CellMesh) -> None:
         path.write_text(_obj(mesh), encoding="ascii")
     elif suffix == ".off":
         path.write_text(_off(mesh), encoding="ascii")
+    elif suffix == ".bdf":
+        path.write_text(_bdf(mesh), encoding="ascii")
+    elif suffix == ".ply":
+        path.write_bytes(_ply(mesh))
     elif suffix == ".glb":
         _write_glb(path, mesh)
     else:
@@ -45,9 +49,7 @@ def _through_meshio(path: Path, mesh: CellMesh) -> None:
     import meshio
 
     name = "hexahedron" if mesh.kind == "hex" else "quad"
-    # meshio's PLY writer wants 32-bit indices
-    cells = mesh.cells.astype(np.int32) if path.suffix.lower() == ".ply" else mesh.cells
-    meshio.Mesh(mesh.V, [(name, cells)]).write(path)
+    meshio.Mesh(mesh.V, [(name, mesh.cells)]).write(path)
 
 
 def _lines(rows: NDArray[Any], start: str = "") -> str:
@@ -60,6 +62,40 @@ def _obj(mesh: CellMesh) -> str:
 
 def _off(mesh: CellMesh) -> str:
     return f"OFF\n{len(mesh.V)} {len(mesh.cells)} 0\n" + _lines(mesh.V) + _lines(mesh.cells, "4 ")
+
+
+def _bdf(mesh: CellMesh) -> str:
+    """Nastran bulk data, points in columns of 16; meshio's writer has no room for a negative number below 1 there."""
+    points = (
+        f"GRID*   {number:16d}{'':16}{x:16.9E}{y:16.9E}\n*       {z:16.9E}\n"
+        for number, (x, y, z) in enumerate(mesh.V.tolist(), 1)
+    )
+    name = "CHEXA" if mesh.kind == "hex" else "CQUAD4"
+    cells = (
+        f"{name:8}{number:8d}{1:8d}"
+        + "".join(f"{v:8d}" for v in corners[:6])
+        + "\n"
+        + _continued(corners[6:])
+        for number, corners in enumerate((mesh.cells + 1).tolist(), 1)
+    )
+    return "BEGIN BULK\n" + "".join(points) + "".join(cells) + "ENDDATA\n"
+
+
+def _continued(corners: list[int]) -> str:
+    return "+" + " " * 7 + "".join(f"{v:8d}" for v in corners) + "\n" if corners else ""
+
+
+def _ply(mesh: CellMesh) -> bytes:
+    """Binary PLY with double coordinates; meshio's has the date in it."""
+    head = (
+        "ply\nformat binary_little_endian 1.0\n"
+        f"element vertex {len(mesh.V)}\nproperty double x\nproperty double y\nproperty double z\n"
+        f"element face {len(mesh.cells)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    corners = mesh.cells.shape[1]
+    faces = np.zeros(len(mesh.cells), [("count", "u1"), ("vertices", "<i4", corners)])
+    faces["count"], faces["vertices"] = corners, mesh.cells
+    return head.encode("ascii") + mesh.V.astype("<f8").tobytes() + faces.tobytes()
 
 
 def _write_glb(path: Path, mesh: CellMesh) -> None:
