@@ -7,6 +7,7 @@ import io
 import json
 import zipfile
 import zlib
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -87,10 +88,10 @@ def test_cutting_needs_what_the_page_gets() -> None:
 def test_a_layer_too_large_for_a_page_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     V, Q = cube_shell(2)
     large, small = Layer("large", V, np.repeat(Q, 4, axis=0)), Layer("small", V, Q)
-    monkeypatch.setattr("neurframe_cli.report.scene.MOST_CELLS", len(Q))
-    document = scene_document([large, small])
+    monkeypatch.setattr("neurframe_cli.report.scene.MOST_CELLS_TOGETHER", 2 * len(Q))
+    document = scene_document([small, large, replace(small, title="also small")])
     assert document is not None
-    assert [layer["title"] for layer in document["layers"]] == ["small"]
+    assert [layer["title"] for layer in document["layers"]] == ["small", "also small"]
     assert document["left_out"] == ["large"]
     assert scene_document([large]) is None
     assert scene_document([Layer("nothing", V, Q[:0])]) is None

@@ -65,7 +65,7 @@ def _cells_page(path: Path, mesh: CellMesh) -> str:
 
 def _surface_page(path: Path, surface: Surface, title: str, facts: dict[str, Any]) -> str:
     mesh = Layer(title, surface.V, surface.F, edges=True)
-    sharp = surface_layers(surface, shown=False)[1]
+    sharp = surface_layers(surface, shown=False)[0]
     return render_mesh(path.name, {**facts, **_extent(surface.V)}, Markup(""), scene_document([mesh, sharp]))
 
 

@@ -39,6 +39,11 @@ def workspace_scene(
         if kind in meshes:
             made, cut_of_this = mesh_layers(meshes[kind], shown=not layers)
             layers, cut = layers + made, cut or cut_of_this
+    defects = [
+        place for trouble in document["troubles"] for one in trouble["defects"] for place in one["places"]
+    ]
+    if defects:
+        layers.append(scene.point_layer(f"defects, {len(defects)}", np.array(defects), scene.DEFECT_COLOR))
     for stage, file, build in (
         ("tetize", SURFACE, _surface_layers),
         ("discretize", SINGULAR_EDGES, _singular_layers),
@@ -46,11 +51,6 @@ def workspace_scene(
         ("streamlines", STREAMLINES, _streamline_layers),
     ):
         layers += _layers_of(workspace, document, stage, file, build, bool(meshes))
-    defects = [
-        place for trouble in document["troubles"] for one in trouble["defects"] for place in one["places"]
-    ]
-    if defects:
-        layers.append(scene.point_layer(f"defects, {len(defects)}", np.array(defects), scene.DEFECT_COLOR))
     return scene.scene_document(layers, cut)
 
 
@@ -69,8 +69,8 @@ def surface_layers(surface: Surface, *, shown: bool) -> list[Layer]:
     """A surface with its sharp edges."""
     edges = features_by_angle(surface.V, surface.F, _FEATURE_ANGLE_DEG).edges
     return [
-        scene.surface_layer(surface, shown=shown),
         scene.line_layer("sharp edges", surface.V, edges, FEATURE_COLOR),
+        scene.surface_layer(surface, shown=shown),
     ]
 
 

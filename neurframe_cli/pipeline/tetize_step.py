@@ -36,7 +36,7 @@ def tetize_step(model: Path, features: Path | None, options: TetizeOptions) -> S
         for warning in result.warnings:
             context.warn(warning)
         _write(context, result)
-        return _report(result)
+        return {"model": model.name, **_report(result)}
 
     return Step(
         name="tetize",

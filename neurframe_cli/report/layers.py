@@ -11,12 +11,13 @@ from neurframe_cli.mesh.arrays import Floats, Ints
 
 Colors = NDArray[np.uint8]
 
-# a page with more than this is slow to open, and a person sees nothing more in it
-MOST_CELLS = 250_000
+# what a page can hold: about 10 MB, and a few seconds to open
+MOST_CELLS = 250_000  # of one layer
+MOST_CELLS_TOGETHER = 400_000
 _GRID = 2.0**17  # coordinates of the view are multiples of 1 / 131072 of the diagonal: they compress to half
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Layer:
     """One thing that can be switched on and off in the 3D view.
 

@@ -14,7 +14,7 @@ from neurframe_cli.mesh.arrays import Floats, Ints, Surface
 from neurframe_cli.mesh.quality.check import HEX_FACES
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.picture.mesh_pictures import quality_colors
-from neurframe_cli.report.layers import MOST_CELLS, Layer, ViewFrame
+from neurframe_cli.report.layers import MOST_CELLS, MOST_CELLS_TOGETHER, Layer, ViewFrame
 from neurframe_cli.report.tubes import tubes
 from neurframe_cli.report.vtkjs import scene_archive
 
@@ -97,9 +97,9 @@ def point_layer(title: str, points: Floats, color: str, *, shown: bool = True) -
 def scene_document(layers: Sequence[Layer], cut: dict[str, Any] | None = None) -> dict[str, Any] | None:
     """What the script of the page needs: archive, controls, frame, cut; None where there is nothing to see.
 
-    Layers with more than MOST_CELLS cells are left out, and `left_out` names them.
+    Layers that are too large for a page, the first ones having the first claim, are left out and named in `left_out`.
     """
-    drawn = [layer for layer in layers if 0 < len(layer.cells) <= MOST_CELLS]
+    drawn = _that_fit(layers)
     if not drawn:
         return None
     frame = ViewFrame.around(np.concatenate([layer.V for layer in drawn]))
@@ -110,8 +110,18 @@ def scene_document(layers: Sequence[Layer], cut: dict[str, Any] | None = None) -
         "diagonal": frame.diagonal,
         "cut": cut,
         "colored": any(layer.colors is not None for layer in drawn),
-        "left_out": [layer.title for layer in layers if len(layer.cells) > MOST_CELLS],
+        "left_out": [layer.title for layer in layers if len(layer.cells) and layer not in drawn],
     }
+
+
+def _that_fit(layers: Sequence[Layer]) -> list[Layer]:
+    drawn: list[Layer] = []
+    room = MOST_CELLS_TOGETHER
+    for layer in layers:
+        if 0 < len(layer.cells) <= min(room, MOST_CELLS):
+            drawn.append(layer)
+            room -= len(layer.cells)
+    return drawn
 
 
 def cut_document(title: str, faces: HexFaces, quality: Floats) -> dict[str, Any] | None:
