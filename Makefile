@@ -12,7 +12,14 @@ export CMAKE_BUILD_PARALLEL_LEVEL ?= $(JOBS)
 
 DOCKER ?= docker
 
-.PHONY: install demo test lint types pytest ctest format samples docker docker-cuda clean
+# make batch  a subset of Thingi10K: make batch THINGI10K=FOLDER, or without it from the data set (several GB);
+#             BATCH_OPTIONS="--quality draft --jobs 4" and the like; batch-dask: SCHEDULER=ADDRESS, else workers here
+BATCH_MODELS ?= benchmarks/thingi10k.txt
+BATCH_OUTPUT ?= batch
+BATCH_OPTIONS ?=
+BATCH := $(BIN)/neurframe batch $(BATCH_MODELS) -o $(BATCH_OUTPUT) --resume --jobs $(JOBS) $(if $(THINGI10K),--thingi10k "$(THINGI10K)")
+
+.PHONY: install demo test lint types pytest ctest format samples docker docker-cuda batch batch-dask batch-slurm clean
 
 install: $(VENV)/.package
 
@@ -58,6 +65,19 @@ format: $(VENV)/.dependencies
 
 samples: install
 	$(BIN)/python samples/make_samples.py
+
+$(VENV)/.extra-%: $(VENV)/.dependencies
+	$(PIP) install -c constraints.txt -r <($(BIN)/python tests/requirements.py $*)
+	touch $@
+
+batch: install $(if $(THINGI10K),,$(VENV)/.extra-thingi10k)
+	$(BATCH) $(BATCH_OPTIONS)
+
+batch-dask: install $(VENV)/.extra-batch $(if $(THINGI10K),,$(VENV)/.extra-thingi10k)
+	$(BATCH) --scheduler $(or $(SCHEDULER),loopback) $(BATCH_OPTIONS)
+
+batch-slurm: install $(VENV)/.extra-batch $(if $(THINGI10K),,$(VENV)/.extra-thingi10k)
+	$(BATCH) --scheduler slurm $(BATCH_OPTIONS)
 
 docker:
 	$(DOCKER) build -f docker/Dockerfile -t neurframe --build-arg TORCH_INDEX=https://download.pytorch.org/whl/cpu .

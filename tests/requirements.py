@@ -1,7 +1,9 @@
-"""Print the project's requirements, those of the dev extra included, one a line, for `pip install -r`."""
+"""Print the project's requirements and those of the extras named, `dev` by default, one a line, for `pip install -r`."""
 
+import sys
 import tomllib
 from pathlib import Path
 
 project = tomllib.loads((Path(__file__).parent.parent / "pyproject.toml").read_text())["project"]
-print("\n".join([*project["dependencies"], *project["optional-dependencies"]["dev"]]))
+extras = project["optional-dependencies"]
+print("\n".join([*project["dependencies"], *(line for name in sys.argv[1:] or ["dev"] for line in extras[name])]))
