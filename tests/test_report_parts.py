@@ -28,7 +28,7 @@ from neurframe_cli.report.layers import Layer, ViewFrame
 from neurframe_cli.report.mesh_quality import cell_quality, describe_quality
 from neurframe_cli.report.scene import cut_document, hex_faces, scene_document
 from neurframe_cli.report.tubes import SIDES, tubes
-from neurframe_cli.report.vtkjs import scene_archive, viewer_script
+from neurframe_cli.report.vtkjs import scene_archive, viewer_license, viewer_script
 
 
 def unpacked(archive: str) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -192,3 +192,4 @@ def test_the_viewer_can_stand_in_a_script_element() -> None:
     assert script is not None
     assert "</script" not in script.lower()
     assert "kitware.github.io/vtk-js/icon" not in script
+    assert "Redistribution and use in source and binary forms" in viewer_license()

@@ -13,7 +13,7 @@ from neurframe_cli import __version__
 from neurframe_cli.picture.mesh_pictures import QUALITY_RAMP
 from neurframe_cli.report import words
 from neurframe_cli.report.figures import loss_figure, quality_figures
-from neurframe_cli.report.vtkjs import INSTALL_HINT, viewer_script
+from neurframe_cli.report.vtkjs import INSTALL_HINT, viewer_license, viewer_script
 
 _FIRST_COLUMNS = ("model", "outcome", "status", "report")
 _NAMES = {"quad": "Quads", "hex": "Hexes"}
@@ -77,6 +77,7 @@ def _view(scene: Mapping[str, Any] | None) -> dict[str, Any]:
     return {
         "scene": scene,
         "vtkjs": None if script is None else Markup(script),
+        "vtkjs_license": viewer_license(),
         "install": INSTALL_HINT,
         "ramp": ramp,
     }

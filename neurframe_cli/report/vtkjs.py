@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import importlib.metadata
 import importlib.util
 import io
 import json
@@ -38,6 +39,14 @@ def viewer_script() -> str | None:
                 # it would give the page an icon from its own site
                 return found[1].replace(_FAVICON, "data:,")
     return None
+
+
+def viewer_license() -> str:
+    """The licence of what viewer_script returns, which goes wherever that goes; empty where it is not installed."""
+    try:
+        return importlib.metadata.distribution("trame-vtk").read_text("licenses/LICENSE") or ""
+    except importlib.metadata.PackageNotFoundError:
+        return ""
 
 
 def scene_archive(layers: Sequence[Layer], frame: ViewFrame) -> str:
