@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from neurframe_cli.errors import InvalidMesh, NotValid, StageError
+from neurframe_cli.errors import InputError, NotValid, StageError
 from neurframe_cli.mesh.arrays import Features, Progress, Surface
 from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.quality.check import Verdict
@@ -130,10 +130,12 @@ def extract(
         try:
             result = run_program(kind.extractor, arguments, limits, progress)
             return result, read_cells(raw)
-        except (InvalidMesh, StageError) as error:
+        except (InputError, StageError) as error:
             if isinstance(error, StageError) and parametrization.complete:
                 raise
-            reasons = "; ".join([*_flaws(parametrization), str(error)])
+            # the file that cannot be used is our own, between two programs; an empty one has no cells
+            empty = isinstance(error, InputError) and raw.exists() and raw.stat().st_size == 0
+            reasons = "; ".join([*_flaws(parametrization), "there is none" if empty else str(error)])
             raise NotValid(
                 f"no {kind.name} mesh could be extracted from the map: {reasons}",
                 hint=f"{kind.map_name} is kept; try another scale, or another field (train --project)",

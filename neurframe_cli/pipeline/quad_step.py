@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from neurframe_cli.mesh.arrays import Features, Floats
+from neurframe_cli.mesh.arrays import Features, Floats, Surface
 from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
 from neurframe_cli.mesh.read_cells import CellMesh
@@ -18,7 +18,7 @@ from neurframe_cli.pipeline.quad_source import CrossCarrier, quad_inputs, read_c
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.workspace import Workspace
 from neurframe_cli.stages.curvature_sizing import SizingOptions, curvature_sizing
-from neurframe_cli.stages.mirror_plane import mirror_plane
+from neurframe_cli.stages.mirror_plane import MirrorPlane, mirror_plane
 from neurframe_cli.stages.smooth_quads import smooth_quads
 from neurframe_cli.stages.symmetric_quads import half_model, mirrored_quads
 
@@ -37,31 +37,36 @@ def quad_step(workspace: Workspace, request: MeshRequest) -> Step:
 
 def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, request: MeshRequest) -> MadeMesh:
     """Parametrize, extract, smooth, and mirror where a symmetry was asked for."""
+    plane = _plane(model.surface, request)
     length = request.size.length(model.surface)
     carrier = read_carrier(inputs, model.surface, request.feature_angle_deg, length)
     followed = features_by_angle(carrier.surface.V, carrier.surface.F, request.feature_angle_deg)
     sizing = None
     if request.quads.adaptive is not None:
         sizing = curvature_sizing(carrier.surface, followed, length, SizingOptions(request.quads.adaptive))
-    if request.quads.symmetry is not None:
-        return _make_symmetric(context, model, carrier, followed, sizing, request)
+    if plane is not None:
+        return _make_symmetric(context, model, plane, carrier, followed, sizing, request)
     mapped = mapped_quads(QUAD, context, _problem(carrier, sizing, length, request, copies=1))
     smoothed = _smoothed(context, mapped.cells, model)
     return _made(mapped, smoothed, CellMesh("quad", smoothed.V, mapped.cells.cells))
 
 
+def _plane(surface: Surface, request: MeshRequest) -> MirrorPlane | None:
+    if request.quads.symmetry is None:
+        return None
+    return mirror_plane(surface, request.quads.symmetry, SYMMETRY_TOLERANCE, np.random.default_rng(0))
+
+
 def _make_symmetric(
     context: StageContext,
     model: Model,
+    plane: MirrorPlane,
     carrier: CrossCarrier,
     followed: Features,
     sizing: Floats | None,
     request: MeshRequest,
 ) -> MadeMesh:
     """All of it for one half, with the cut as a feature, and then the mirror image; map.obj is that of the half."""
-    assert request.quads.symmetry is not None
-    rng = np.random.default_rng(0)
-    plane = mirror_plane(model.surface, request.quads.symmetry, SYMMETRY_TOLERANCE, rng)
     half = half_model(plane, model.surface, model.features, carrier.surface, carrier.crosses, followed)
     problem = _problem(
         CrossCarrier(half.carrier.surface, half.crosses),
