@@ -14,6 +14,7 @@ from neurframe_cli.mesh.arrays import Floats, Ints, Surface
 from neurframe_cli.mesh.quality.check import HEX_FACES
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.picture.mesh_pictures import quality_colors
+from neurframe_cli.picture.scene import FEATURE_COLOR
 from neurframe_cli.report.layers import MOST_CELLS, MOST_CELLS_TOGETHER, Layer, ViewFrame
 from neurframe_cli.report.tubes import tubes
 from neurframe_cli.report.vtkjs import scene_archive
@@ -105,7 +106,10 @@ def scene_document(layers: Sequence[Layer], cut: dict[str, Any] | None = None) -
     frame = ViewFrame.around(np.concatenate([layer.V for layer in drawn]))
     return {
         "archive": scene_archive(drawn, frame),
-        "layers": [{"title": layer.title, "shown": layer.shown} for layer in drawn],
+        "layers": [
+            {"title": layer.title, "shown": layer.shown, "ink": layer.color == FEATURE_COLOR}
+            for layer in drawn
+        ],
         "center": frame.center.tolist(),
         "diagonal": frame.diagonal,
         "cut": cut,

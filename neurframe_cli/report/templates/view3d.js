@@ -61,9 +61,14 @@
     window.renderWindow.render();
   }
 
+  // The page's own colours, light or dark, for the background and for lines drawn in ink.
   function paintBackground() {
-    const color = getComputedStyle(holder).backgroundColor.match(/[\d.]+/g).map(Number);
-    view.renderer.setBackground(color[0] / 255, color[1] / 255, color[2] / 255);
+    const style = getComputedStyle(holder);
+    const parts = (color) => color.match(/[\d.]+/g).slice(0, 3).map((part) => Number(part) / 255);
+    view.renderer.setBackground(...parts(style.backgroundColor));
+    scene.layers.forEach((layer, index) => {
+      if (layer.ink) view.actors[index].getProperty().setColor(...parts(style.color));
+    });
   }
 
   function look(toward) {
