@@ -31,7 +31,7 @@ class BatchDisplay:
         self.began, self.began_at = time.monotonic(), time.time()
         self.pending = {str(job.model): job for job in jobs}
         self.ended_here: list[Outcome] = []
-        self._running: list[str] = []
+        self._running: dict[str, str] = {}  # model -> what it is doing
         self._polled = 0.0
         self._live: Any = None
 
@@ -55,6 +55,7 @@ class BatchDisplay:
     def ended(self, outcome: Outcome) -> None:
         """A model has its outcome."""
         del self.pending[outcome.model]
+        self._running.pop(outcome.model, None)
         self.ended_here.append(outcome)
         if self._live is None:
             number = self.total - len(self.pending)
@@ -69,10 +70,11 @@ class BatchDisplay:
             return
         if time.monotonic() - self._polled > _POLL_S:
             self._polled = time.monotonic()
-            self._running = [line for job in self.pending.values() if (line := self._stage_of(job))]
+            doing = {model: self._stage_of(job) for model, job in self.pending.items()}
+            self._running = {model: line for model, line in doing.items() if line is not None}
         from rich.text import Text
 
-        lines = [*table_lines(self.ended_here[-_LAST:]), *self._running, self._state()]
+        lines = [*table_lines(self.ended_here[-_LAST:]), *self._running.values(), self._state()]
         self._live.update(Text("\n".join(lines), no_wrap=True, overflow="ellipsis"), refresh=True)
 
     def _stage_of(self, job: Job) -> str | None:

@@ -9,9 +9,15 @@ from click.core import ParameterSource
 
 # parameter name -> value; what is not named keeps its default
 QUALITIES: dict[str, dict[str, Any]] = {
-    "draft": {"tet_edge_length": 0.05, "epsilon": 2e-3, "iterations": 150, "pictures": False},
+    "draft": {
+        "tet_edge_length": 0.05,
+        "epsilon": 2e-3,
+        "iterations": 200,
+        "batch_fraction": 0.1,
+        "pictures": False,
+    },
     "normal": {},
-    "high": {"tet_edge_length": 0.0175, "epsilon": 5e-4, "iterations": 1500},
+    "high": {"tet_edge_length": 0.0175, "epsilon": 5e-4, "iterations": 1200, "batch_fraction": 0.08},
 }
 
 quality_option = click.option(
