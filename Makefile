@@ -19,7 +19,7 @@ BATCH_OUTPUT ?= batch
 BATCH_OPTIONS ?=
 BATCH := $(BIN)/neurframe batch $(BATCH_MODELS) -o $(BATCH_OUTPUT) --resume --jobs $(JOBS) $(if $(THINGI10K),--thingi10k "$(THINGI10K)")
 
-.PHONY: install demo test lint types pytest ctest format samples docker docker-cuda batch batch-dask batch-slurm clean
+.PHONY: docs install demo test lint types pytest ctest format samples docker docker-cuda batch batch-dask batch-slurm clean
 
 install: $(VENV)/.package
 
@@ -78,6 +78,11 @@ batch-dask: install $(VENV)/.extra-batch $(if $(THINGI10K),,$(VENV)/.extra-thing
 
 batch-slurm: install $(VENV)/.extra-batch $(if $(THINGI10K),,$(VENV)/.extra-thingi10k)
 	$(BATCH) --scheduler slurm $(BATCH_OPTIONS)
+
+# the documentation site, in build/site; warnings are errors
+docs: install
+	$(PIP) install -c constraints.txt .[docs]
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 
 docker:
 	$(DOCKER) build -f docker/Dockerfile -t neurframe --build-arg TORCH_INDEX=https://download.pytorch.org/whl/cpu .
