@@ -17,8 +17,8 @@ double largest_parameter(const ReducedVariables& variables, const Eigen::VectorX
                          const Eigen::VectorXd& integer) {
   double largest = 0;
   for (const ReducedCoordinate& x : variables.coordinates) {
-    const double value =
-        (x.real >= 0 ? x.sign * real[x.real] : 0.0) + static_cast<double>(whole(x.integers, integer));
+    double value = x.real >= 0 ? x.sign * real[x.real] : 0.0;
+    for (const auto& [index, factor] : x.integers) value += factor * integer[index];
     largest = std::max(largest, std::abs(value));
   }
   return largest;
@@ -45,12 +45,14 @@ FixedPointMap fixed_point_map(const ReducedVariables& variables, const Eigen::Ve
   FixedPointMap map;
   map.fraction_bits = fraction_bits_for(largest_parameter(variables, real, integer));
   if (map.fraction_bits == 0) throw StageError("the map spans too many cells; use a larger edge length");
-  const Fixed one = Fixed{1} << map.fraction_bits;
   const auto parameter = [&](int corner, int k) {
     const int sector = variables.sector[static_cast<size_t>(corner)];
     const ReducedCoordinate& x = variables.coordinates[static_cast<size_t>(2 * sector + k)];
-    const Fixed base = x.real >= 0 ? x.sign * to_fixed(real[x.real], map.fraction_bits) : 0;
-    return base + one * whole(x.integers, integer);
+    Fixed value = x.real >= 0 ? x.sign * to_fixed(real[x.real], map.fraction_bits) : 0;
+    for (const auto& [index, factor] : x.integers) {
+      value += factor * to_fixed(integer[index], map.fraction_bits);
+    }
+    return value;
   };
   for (int c = 0; c < static_cast<int>(variables.sector.size()); ++c) {
     map.corners.push_back({parameter(c, 0), parameter(c, 1)});

@@ -18,9 +18,9 @@ struct FixedPointMap {
   std::vector<Vector2<Fixed>> corners;  // per corner
 };
 
-// Rounds the real variables to the lattice and substitutes: seams, features and singular vertices hold
-// exactly, because the substitution only adds, negates and shifts whole cells.  Raises StageError if the map
-// has too many cells for the lattice.
+// Rounds the variables to the lattice and substitutes: seams, features and singular vertices hold exactly,
+// because the substitution only adds and negates.  Integer variables that are not whole yet give the exact
+// seamless map.  Raises StageError if the map has too many cells for the lattice.
 FixedPointMap fixed_point_map(const ReducedVariables& variables, const Eigen::VectorXd& real,
                               const Eigen::VectorXd& integer);
 
@@ -29,6 +29,7 @@ struct MapCheck {
   std::vector<int> overwound;  // vertices whose sectors have not the expected quarter turns in the map
   double cells = 0;            // parametric area
   bool valid() const { return folded.empty() && overwound.empty(); }
+  size_t defects() const { return folded.size() + overwound.size(); }
 };
 
 // Exact: the determinant of every triangle, and per sector the sum over its corners of quadrants passed.

@@ -34,10 +34,11 @@ ParametrizeOptions options_from(const Arguments& arguments, const TriangleMesh& 
     throw InputError("give only one of --edge-length, --scale and --target-faces");
   }
   options.edge_length = arguments.number("--edge-length", 0, 1e-300, 1e300);
-  options.target_faces = arguments.integer("--target-faces", 0, 1, 100000000);
+  options.integer_grid.target_faces = arguments.integer("--target-faces", 0, 1, 100000000);
   if (!arguments.given("--edge-length")) {
     options.edge_length = diagonal(mesh.V) / arguments.number("--scale", 100, 0.1, 1e6);
   }
+  options.seamless.threads = options.integer_grid.threads = worker_threads(arguments);
   options.preparation.features.angle_deg = arguments.number("--feature-angle", 45, 0, 180);
   if (arguments.given("--features")) {
     options.preparation.features.given = true;
@@ -65,7 +66,7 @@ ExitCode run(const Arguments& arguments, Json& statistics) {
   write_quad_map(arguments.text("--output"), result.map);
   if (arguments.given("--source")) write_integers(arguments.text("--source"), result.source);
   if (arguments.given("--singularities")) write_singular(arguments.text("--singularities"), result.singular);
-  return result.check.valid() ? ExitCode::done : ExitCode::incomplete;
+  return result.complete ? ExitCode::done : ExitCode::incomplete;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/errors.hpp"
+#include "miq/field_topology.hpp"
 
 namespace neurframe {
 namespace {
@@ -62,12 +63,12 @@ std::vector<Sector> mend_field(CrossSurface& surface, const PreparationOptions& 
   require_poincare_hopf(surface, sectors, statistics);
   statistics["singularities_of_input"] = singularity_histogram(sectors);
   const double reach = options.dipole_reach * edge_length;
-  std::vector<int> shifted = cancel_dipoles(surface, sectors, reach);
-  statistics["cancelling_shifts"] = shifted.size() / 2;
-  const std::vector<int> repaired = repair_sectors(surface, sectors, options.closed_minimum);
-  statistics["repairing_shifts"] = repaired.size() / 2;
-  shifted.insert(shifted.end(), repaired.begin(), repaired.end());
-  relax_field(surface, shifted, 2 * reach);
+  FieldTopology topology(surface, sectors);
+  statistics["turns_repaired"] = repair_sectors(topology, options.closed_minimum, reach);
+  statistics["dipoles_cancelled"] = cancel_dipoles(topology, reach);
+  const double clearance = options.feature_clearance * edge_length;
+  statistics["singularities_retreated"] = retreat_from_features(topology, clearance);
+  relax_field(surface, topology.shifted(), 2 * std::max(reach, clearance));
   statistics["costly_dipoles_cancelled"] =
       cancel_costly_dipoles(surface, sectors, options.costly_dipole_reach * edge_length);
   statistics["singularities"] = singularity_histogram(sectors);
@@ -175,10 +176,10 @@ MapProblem prepare_map_problem(CrossSurface surface, const PreparationOptions& o
   FeatureOptions features = options.features;
   features.shortest_line = std::max(features.shortest_line, 4 * edge_length);
   mark_features(surface, features);
+  int released = release_lines(surface, features.released_at);
   statistics["splits"]["long_edges"] = split_long_edges(surface, options.longest_edge * edge_length);
   statistics["splits"]["features"] = split_around_features(surface);
   MapProblem problem = solve_topology(surface, options, edge_length, statistics);
-  int released = 0;
   for (int round = 0; round < kMostReleases; ++round) {
     const int now = release_features(surface, degenerate_features(problem));
     if (now == 0) break;

@@ -9,6 +9,7 @@
 #include "core/triangle_mesh.hpp"
 #include "miq/cross_surface.hpp"
 #include "miq/cut_graph.hpp"
+#include "miq/feature_lines.hpp"
 #include "miq/matching.hpp"
 #include "miq/prepare.hpp"
 #include "miq/reduced_variables.hpp"
@@ -27,6 +28,7 @@ struct PreparationOptions {
   double longest_edge = 3;          // triangles with longer edges (in target edge lengths) are split
   double dipole_reach = 3;          // target edge lengths up to which opposite singularities cancel
   double costly_dipole_reach = 15;  // and up to which they do if the crosses become smoother by it
+  double feature_clearance = 1;     // target edge lengths that singularities keep from features
   int closed_minimum = 3;           // least quarter turns around an interior vertex
   FeatureOptions features;
 };

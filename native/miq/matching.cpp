@@ -76,12 +76,14 @@ std::vector<Sector> measure_sectors(const CrossSurface& surface) {
     for (size_t i = 0; i < corners.size(); ++i) {
       const int h = corners[i];
       if (i == 0 || (!closed && surface.is_feature(h))) {
-        sectors.push_back({surface.from(h), {}, closed, 0});
+        sectors.push_back({surface.from(h), {}, closed, 0, 0});
         angle = 0;
       }
       sectors.back().corners.push_back(h);
       const int crossing = CrossSurface::previous(h);
-      angle += surface.corner_angle(h);
+      const double corner = surface.corner_angle(h);
+      sectors.back().angle += corner;
+      angle += corner;
       if (surface.twin(crossing) >= 0 && !surface.is_feature(crossing)) {
         angle += rotation_residual(surface, crossing);
       }
@@ -103,7 +105,9 @@ std::vector<char> singular_vertices(const CrossSurface& surface, const std::vect
     const auto v = static_cast<size_t>(sector.vertex);
     // a feature line that ends inside the surface has one sector all round
     const int regular = count[v] == 1 && !open[v] ? 4 : 2;
-    if (sector.quarter_turns != regular) singular[v] = 1;
+    // more lines than one through a vertex cross there, whatever the turns between them
+    const bool crossing = count[v] > (open[v] ? 1 : 2);
+    if (crossing || sector.quarter_turns != regular) singular[v] = 1;
   }
   return singular;
 }

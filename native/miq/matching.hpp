@@ -23,6 +23,7 @@ struct Sector {
   std::vector<int> corners;  // counter-clockwise
   bool closed;               // no feature edge at the vertex
   int quarter_turns;         // of the map from the first spoke to the last: 4 at a regular interior vertex
+  double angle;              // radians on the surface, all corners together
 };
 
 // All sectors.  Quarter turns are counted as angle, not modulo 4: (sum of corner angles + residuals) / 90
@@ -31,20 +32,6 @@ std::vector<Sector> measure_sectors(const CrossSurface& surface);
 
 // per vertex: -1 regular, else the index of its first sector in `sectors` that makes it an integer point
 std::vector<char> singular_vertices(const CrossSurface& surface, const std::vector<Sector>& sectors);
-
-// Shifts matchings along edges until every sector between features has at least one quarter turn and every
-// closed one at least `closed_minimum`; what could not be mended stays as it is.  Returns the vertices at
-// both ends of all shifted edges.
-std::vector<int> repair_sectors(CrossSurface& surface, std::vector<Sector>& sectors, int closed_minimum);
-
-// Cancels pairs of singular vertices of opposite sign that are at most `reach` apart along edges off the
-// features, nearest first.  Returns the vertices at both ends of all shifted edges.
-std::vector<int> cancel_dipoles(CrossSurface& surface, std::vector<Sector>& sectors, double reach);
-
-// The same for pairs up to `reach` apart, but only where the crosses become smoother by it: the pair is
-// cancelled, the field around relaxed, and both undone unless the Dirichlet energy of the residual rotations
-// has fallen. Returns the number of pairs cancelled.
-int cancel_costly_dipoles(CrossSurface& surface, std::vector<Sector>& sectors, double reach);
 
 // Smooths the crosses, with all matchings kept, in the triangles within `radius` of the given vertices; those
 // beside features are held.  Least squares of the residual rotations (Bommes et al. 2009, equation 3,

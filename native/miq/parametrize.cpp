@@ -8,12 +8,10 @@
 #include <map>
 
 #include "core/program.hpp"
+#include "miq/integer_grid.hpp"
 #include "miq/map_problem.hpp"
 #include "miq/map_system.hpp"
-#include "miq/quantization.hpp"
-#include "miq/separation.hpp"
 #include "miq/stiffening.hpp"
-#include "miq/untangle.hpp"
 
 namespace neurframe {
 namespace {
@@ -56,71 +54,73 @@ Json places(const CrossSurface& surface, const std::vector<int>& items, bool tri
   return list;
 }
 
-Json untangle_json(const UntangleResult& result) {
-  Json json;
-  json["iterations"] = result.iterations;
-  json["folds_before"] = result.folds_before;
-  json["folds_after"] = result.folds_after;
-  return json;
+bool has_features(const CrossSurface& surface) {
+  return std::any_of(surface.feature.begin(), surface.feature.end(), [](char on) { return on != 0; });
 }
 
-double parametric_area(const MapProblem& problem, const MapSystem& system, const Eigen::VectorXd& real,
-                       const Eigen::VectorXd& integer) {
-  double area = 0;
-  for (int f = 0; f < problem.surface.triangle_count(); ++f) {
-    const Vector6 x = system.corner_parameters(f, real, integer);
-    area += ((x[2] - x[0]) * (x[5] - x[1]) - (x[4] - x[0]) * (x[3] - x[1])) / 2;
-  }
-  return area;
-}
-
-// The real-valued seamless map, and what quantisation needs of it; all of it scales with the edge length.
-struct Seamless {
-  TriangleShapes shapes;
-  PoissonSystem poisson;
-  std::vector<double> stiffness;
-  Eigen::VectorXd real, integer;
-
-  // the real variables after the least deformation that takes the integers to whole numbers
-  Eigen::VectorXd moved_to(const Eigen::VectorXd& whole) const {
-    return real + poisson.real_response(whole - integer);
-  }
-
-  // to edge length times factor
-  void rescale(double factor) {
-    for (Matrix46& jacobian : shapes.jacobian) jacobian *= factor;
-    for (double& weight : shapes.weight) weight /= factor * factor;
-    real /= factor;
-    integer /= factor;
-  }
+// A problem whose seamless map is valid, or the one with the fewest defects.
+struct Attempt {
+  MapProblem problem;
+  SeamlessMap seamless;
 };
 
-Quantization quantize_at_scale(const MapProblem& problem, const MapSystem& system, const Seamless& seamless,
-                               const ParametrizeOptions& options, Json& statistics) {
-  const std::vector<SeparationRow> rows =
-      separation_rows(problem.surface, problem.variables, problem.singular, system, seamless.real,
-                      seamless.integer, options.separation_reach);
-  Quantization quantization = quantize(seamless.poisson.schur, seamless.integer, rows);
-  statistics["quantization"]["separation_rows"] = rows.size();
-  statistics["quantization"]["violated_rows"] = quantization.violated_rows;
-  statistics["quantization"]["energy"] = quantization.energy;
-  statistics["quantization"]["local_moves"] = quantization.local_moves;
-  return quantization;
+// What the next attempt does differently: singularities are moved farther from the features, because no map
+// that follows the crosses has one in the tip between two; then the feature lines beside the defects are left
+// out.  False if nothing is left to try.
+bool change_preparation(const Attempt& best, double edge_length, int attempt,
+                        PreparationOptions& preparation) {
+  constexpr double kFarther = 3;
+  constexpr int kFarAttempts = 2;
+  constexpr int kRings = 8;
+  if (!has_features(best.problem.surface)) return false;
+  if (attempt <= kFarAttempts) {
+    preparation.feature_clearance *= kFarther;
+    return preparation.feature_clearance * edge_length <
+           bounding_box_diagonal(best.problem.surface.positions);
+  }
+  const std::vector<Eigen::Vector3d> points = feature_points_near(
+      best.problem.surface, defective_triangles(best.problem, best.seamless.check), kRings);
+  std::vector<Eigen::Vector3d>& released = preparation.features.released_at;
+  released.insert(released.end(), points.begin(), points.end());
+  return !points.empty();
 }
 
-// Repeats the quantisation at corrected edge lengths until the parametric area is within 2 % of the target.
-Quantization quantize_to_target(const MapProblem& problem, const MapSystem& system, Seamless& seamless,
-                                const ParametrizeOptions& options, Json& statistics) {
-  constexpr int kMostRounds = 8;
-  for (int round = 1;; ++round) {
-    Quantization quantization = quantize_at_scale(problem, system, seamless, options, statistics);
-    if (options.target_faces <= 0 || round == kMostRounds) return quantization;
-    const Eigen::VectorXd real = seamless.moved_to(quantization.values);
-    const double ratio = parametric_area(problem, system, real, quantization.values) / options.target_faces;
-    statistics["quantization"]["rounds"] = round;
-    if (!(ratio > 0) || std::abs(ratio - 1) < 0.02) return quantization;
-    seamless.rescale(std::sqrt(ratio));
+Attempt find_seamless_map(const CrossSurface& surface, const ParametrizeOptions& options, double edge_length,
+                          Json& statistics) {
+  constexpr int kMostAttempts = 6;
+  Attempt best;
+  PreparationOptions preparation = options.preparation;
+  const Json before = statistics;
+  for (int attempt = 1; attempt <= kMostAttempts; ++attempt) {
+    Json trial = before;
+    trial["attempts"] = attempt;
+    trial["feature_clearance"] = preparation.feature_clearance;
+    Attempt now;
+    now.problem = prepare_map_problem(surface, preparation, edge_length, trial);
+    MapSystem system(now.problem.variables, now.problem.surface.triangle_count(), true);
+    now.seamless = solve_seamless_map(now.problem, system, edge_length, options.seamless, trial["seamless"]);
+    if (attempt == 1 || now.seamless.check.defects() < best.seamless.check.defects()) {
+      best = std::move(now);
+      statistics = trial;
+    }
+    if (best.seamless.check.valid()) break;
+    if (!change_preparation(best, edge_length, attempt, preparation)) break;
   }
+  return best;
+}
+
+void report_check(const CrossSurface& surface, const IntegerGrid& grid, Json& statistics) {
+  statistics["fraction_bits"] = grid.fixed.fraction_bits;
+  statistics["folded_triangles"] = grid.check.folded.size();
+  statistics["overwound_vertices"] = grid.check.overwound.size();
+  statistics["lost_quads"] = grid.lost.count;
+  statistics["cells"] = grid.check.cells;
+  statistics["folded_at"] = places(surface, grid.check.folded, true);
+  statistics["overwound_at"] = places(surface, grid.check.overwound, false);
+  std::vector<std::vector<double>> lost_at;
+  for (const Point3& p : grid.lost.places) lost_at.push_back({p[0], p[1], p[2]});
+  statistics["lost_at"] = lost_at;
+  statistics["valid"] = grid.complete();
 }
 
 }  // namespace
@@ -129,60 +129,20 @@ Parametrization parametrize(const TriangleMesh& mesh, const std::vector<std::arr
                             const std::vector<double>& sizing, const ParametrizeOptions& options,
                             Json& statistics) {
   StepClock clock(statistics);
-  CrossSurface surface = build_cross_surface(mesh, crosses, sizing, statistics);
+  const CrossSurface surface = build_cross_surface(mesh, crosses, sizing, statistics);
   double edge_length = options.edge_length;
-  if (options.target_faces > 0) edge_length = std::sqrt(total_area(surface) / options.target_faces);
-  const MapProblem problem =
-      prepare_map_problem(std::move(surface), options.preparation, edge_length, statistics);
-  clock.finish("preparation", 0.2);
-
-  const int count = problem.surface.triangle_count();
-  MapSystem free_system(problem.variables, count, true);
-  Seamless seamless;
-  seamless.shapes = triangle_shapes(problem.surface, edge_length);
-  seamless.stiffness.assign(problem.surface.triangles.size(), 1.0);
-  seamless.real.setZero(problem.variables.real_count);
-  seamless.integer.setZero(problem.variables.integer_count);
-  const StiffeningResult stiffening =
-      solve_with_stiffening(free_system, problem.surface, seamless.shapes, options.stiffening_rounds,
-                            seamless.stiffness, seamless.real, seamless.integer);
-  statistics["seamless"]["stiffening_rounds"] = stiffening.rounds;
-  statistics["seamless"]["folds_poisson"] = stiffening.folds_before;
-  statistics["seamless"]["folds_stiffened"] = stiffening.folds_after;
-  clock.finish("poisson", 0.4);
-
-  if (stiffening.folds_before > 0) {
-    UntangleOptions untangle_options;
-    untangle_options.polish = options.seamless_polish;
-    statistics["seamless"]["untangling"] = untangle_json(
-        untangle(free_system, seamless.shapes, untangle_options, seamless.real, seamless.integer));
+  if (options.integer_grid.target_faces > 0) {
+    edge_length = std::sqrt(total_area(surface) / options.integer_grid.target_faces);
   }
-  clock.finish("seamless_untangling", 0.6);
-
-  seamless.poisson = poisson_system(problem.variables, free_system, seamless.shapes, seamless.stiffness);
-  const Quantization quantization = quantize_to_target(problem, free_system, seamless, options, statistics);
-  clock.finish("quantization", 0.75);
-
-  MapSystem system(problem.variables, count, false);
-  Eigen::VectorXd integer = quantization.values;
-  Eigen::VectorXd real = seamless.moved_to(integer);
-  statistics["integer_grid"] =
-      untangle_json(untangle(system, seamless.shapes, UntangleOptions{}, real, integer));
-  clock.finish("untangling", 0.9);
-
-  const FixedPointMap fixed = fixed_point_map(problem.variables, real, integer);
-  Parametrization out{quad_map(problem.surface, problem.variables, problem.graph, fixed, integer),
-                      problem.surface.source, singular_points(problem),
-                      check_map(problem.surface, problem.sectors, fixed)};
-  statistics["fraction_bits"] = fixed.fraction_bits;
-  statistics["folded_triangles"] = out.check.folded.size();
-  statistics["overwound_vertices"] = out.check.overwound.size();
-  statistics["cells"] = out.check.cells;
-  statistics["folded_at"] = places(problem.surface, out.check.folded, true);
-  statistics["overwound_at"] = places(problem.surface, out.check.overwound, false);
-  statistics["valid"] = out.check.valid();
-  clock.finish("fixed_point", 1.0);
-  return out;
+  Attempt attempt = find_seamless_map(surface, options, edge_length, statistics);
+  const MapProblem& problem = attempt.problem;
+  clock.finish("seamless", 0.5);
+  const IntegerGrid grid = solve_integer_grid(problem, attempt.seamless, options.integer_grid, statistics);
+  statistics["edge_length"] = edge_length * grid.edge_length_factor;
+  clock.finish("integer_grid", 1.0);
+  report_check(problem.surface, grid, statistics);
+  return {quad_map(problem.surface, problem.variables, problem.graph, grid.fixed, grid.integer),
+          problem.surface.source, singular_points(problem), grid.check, grid.complete()};
 }
 
 }  // namespace neurframe

@@ -8,17 +8,17 @@
 #include "core/quad_map_io.hpp"
 #include "core/triangle_mesh.hpp"
 #include "miq/fixed_point_map.hpp"
+#include "miq/integer_grid.hpp"
 #include "miq/map_problem.hpp"
+#include "miq/seamless_map.hpp"
 
 namespace neurframe {
 
 struct ParametrizeOptions {
-  double edge_length = 0;         // target, in input units
-  int target_faces = 0;           // if positive, overrides edge_length
-  double separation_reach = 1.5;  // cells around critical vertices in which they are kept apart
-  int stiffening_rounds = 10;
-  int seamless_polish = 4;  // Newton steps on a seamless map that had to be stiffened
+  double edge_length = 0;  // target, in input units; not used with a number of faces
   PreparationOptions preparation;
+  SeamlessOptions seamless;
+  IntegerGridOptions integer_grid;
 };
 
 // A vertex whose quarter turns are not those of a regular one, or a feature sector with other than two.
@@ -33,6 +33,7 @@ struct Parametrization {
   std::vector<int> source;  // input triangle of each triangle of the map
   std::vector<SingularPoint> singular;
   MapCheck check;
+  bool complete = false;  // valid, and the extraction finds every quad
 };
 
 // crosses: per triangle two tangent vectors (6 numbers); sizing: per vertex a factor on the edge length, or

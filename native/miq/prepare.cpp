@@ -1,9 +1,6 @@
 #include "miq/prepare.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <set>
 
 #include "miq/matching.hpp"
@@ -123,53 +120,7 @@ std::vector<char> feature_vertices(const CrossSurface& surface) {
   return on;
 }
 
-void set_feature(CrossSurface& surface, int h, char value) {
-  surface.feature[static_cast<size_t>(h)] = value;
-  if (surface.twin(h) >= 0) surface.feature[static_cast<size_t>(surface.twin(h))] = value;
-}
-
-void drop_short_lines(CrossSurface& surface, double shortest) {
-  const std::vector<int> outgoing = outgoing_half_edges(surface);
-  std::vector<char> done(static_cast<size_t>(surface.half_edge_count()), 0);
-  for (int seed = 0; seed < surface.half_edge_count(); ++seed) {
-    if (!surface.is_feature(seed) || done[static_cast<size_t>(seed)]) continue;
-    std::vector<int> line{seed};
-    done[static_cast<size_t>(seed)] = 1;
-    double length = 0;
-    bool boundary = false;
-    for (size_t i = 0; i < line.size(); ++i) {
-      const int h = line[i];
-      if (h > surface.twin(h)) length += surface.along(h).norm();
-      boundary = boundary || surface.twin(h) < 0;
-      std::vector<int> around = fan(surface, outgoing[static_cast<size_t>(surface.to(h))]);
-      if (surface.twin(h) >= 0) around.push_back(surface.twin(h));
-      for (const int k : fan(surface, outgoing[static_cast<size_t>(surface.from(h))])) around.push_back(k);
-      for (const int k : around) {
-        if (!surface.is_feature(k) || done[static_cast<size_t>(k)]) continue;
-        done[static_cast<size_t>(k)] = 1;
-        line.push_back(k);
-      }
-    }
-    if (length >= shortest || boundary) continue;
-    for (const int h : line) set_feature(surface, h, 0);
-  }
-}
-
 }  // namespace
-
-void mark_features(CrossSurface& surface, const FeatureOptions& options) {
-  surface.feature.assign(static_cast<size_t>(surface.half_edge_count()), 0);
-  const std::set<std::pair<int, int>> pairs(options.pairs.begin(), options.pairs.end());
-  const double cosine = std::cos(options.angle_deg * std::numbers::pi / 180);
-  for (int h = 0; h < surface.half_edge_count(); ++h) {
-    const int o = surface.twin(h);
-    const bool sharp = o >= 0 && !options.given && surface.normal(h / 3).dot(surface.normal(o / 3)) < cosine;
-    const bool listed =
-        pairs.count({surface.from(h), surface.to(h)}) || pairs.count({surface.to(h), surface.from(h)});
-    if (o < 0 || sharp || listed) set_feature(surface, h, 1);
-  }
-  if (!options.given) drop_short_lines(surface, options.shortest_line);
-}
 
 int split_long_edges(CrossSurface& surface, double longest) {
   return split_all_edges(surface, [&](int h) { return surface.along(h).norm() > longest; });

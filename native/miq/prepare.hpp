@@ -1,22 +1,11 @@
 // Refinement that gives the map the freedom it needs near features and singular vertices.
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "miq/cross_surface.hpp"
 
 namespace neurframe {
-
-// marks boundary edges, given vertex pairs, and edges whose normals differ by more than the angle; detected
-// lines shorter than `shortest_line` in all are taken for noise and left out
-struct FeatureOptions {
-  double angle_deg = 45;
-  double shortest_line = 0;
-  bool given = false;  // only `pairs`, no detection
-  std::vector<std::pair<int, int>> pairs;
-};
-void mark_features(CrossSurface& surface, const FeatureOptions& options);
 
 // Splits at midpoints every edge longer than `longest`, longest first.  Returns the number of splits.
 int split_long_edges(CrossSurface& surface, double longest);

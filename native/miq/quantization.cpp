@@ -11,17 +11,24 @@ namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
+// rows * values >= least
+struct RowSystem {
+  Eigen::MatrixXd rows;
+  Eigen::VectorXd least;
+};
+
 // Successive conditioning of a quadratic programme with rows on integer values of its variables.
 class ConditionalProgramme {
  public:
-  ConditionalProgramme(const Eigen::MatrixXd& schur, const Eigen::VectorXd& target,
-                       const Eigen::MatrixXd& rows)
+  ConditionalProgramme(const Eigen::MatrixXd& schur, const Eigen::VectorXd& target, const RowSystem& system)
       : covariance_(schur.llt().solve(Eigen::MatrixXd::Identity(schur.rows(), schur.cols()))),
-        rows_(rows),
-        pull_(covariance_ * rows.transpose()),
+        rows_(system.rows),
+        least_(system.least),
+        pull_(covariance_ * rows_.transpose()),
+        stiffness_(rows_ * pull_),
         unconstrained_(target),
         optimum_(target),
-        multipliers_(Eigen::VectorXd::Zero(rows.rows())),
+        multipliers_(Eigen::VectorXd::Zero(rows_.rows())),
         fixed_(static_cast<size_t>(target.size()), 0) {}
 
   void solve_rows();
@@ -34,29 +41,33 @@ class ConditionalProgramme {
 
   Eigen::MatrixXd covariance_;
   const Eigen::MatrixXd& rows_;
-  Eigen::MatrixXd pull_;  // covariance times rows^T: how each row's multiplier moves the optimum
+  const Eigen::VectorXd& least_;
+  Eigen::MatrixXd pull_;       // covariance times rows^T: how each row's multiplier moves the optimum
+  Eigen::MatrixXd stiffness_;  // and how it moves the rows
   Eigen::VectorXd unconstrained_;
   Eigen::VectorXd optimum_;
   Eigen::VectorXd multipliers_;
   std::vector<char> fixed_;
 };
 
+// Hildreth's method: one multiplier after the other, warm from the last call.
 void ConditionalProgramme::solve_rows() {
   constexpr int kMostSweeps = 100;
-  optimum_ = unconstrained_ + pull_ * multipliers_;
+  Eigen::VectorXd lacking = least_ - rows_ * unconstrained_ - stiffness_ * multipliers_;
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     double change = 0;
     for (Eigen::Index j = 0; j < rows_.rows(); ++j) {
-      const double stiffness = rows_.row(j).dot(pull_.col(j));
+      const double stiffness = stiffness_(j, j);
       if (stiffness < 1e-9) continue;
-      const double step = std::max(-multipliers_[j], (1 - rows_.row(j).dot(optimum_)) / stiffness);
+      const double step = std::max(-multipliers_[j], lacking[j] / stiffness);
       if (step == 0) continue;
       multipliers_[j] += step;
-      optimum_ += step * pull_.col(j);
+      lacking -= step * stiffness_.col(j);
       change = std::max(change, std::abs(step) * stiffness);
     }
-    if (change < 1e-4) return;
+    if (change < 1e-4) break;
   }
+  optimum_ = unconstrained_ + pull_ * multipliers_;
 }
 
 // Rows whose only variable left is k bound it.
@@ -74,7 +85,7 @@ void ConditionalProgramme::bounds(int k, double& low, double& high) const {
       rest += rows_(j, i) * optimum_[i];
     }
     if (!alone) continue;
-    const double bound = (1 - rest) / factor;
+    const double bound = (least_[j] - rest) / factor;
     if (factor > 0) low = std::max(low, std::ceil(bound - 1e-6));
     if (factor < 0) high = std::min(high, std::floor(bound + 1e-6));
   }
@@ -104,6 +115,8 @@ void ConditionalProgramme::fix(int k, double value) {
   const Eigen::VectorXd column = covariance_.col(k) / covariance_(k, k);
   unconstrained_ += column * (value - unconstrained_[k]);
   covariance_ -= column * covariance_.row(k).eval();
+  const Eigen::VectorXd row_column = rows_ * column;
+  stiffness_ -= row_column * pull_.row(k);
   pull_ -= column * pull_.row(k).eval();
   pull_.row(k).setZero();
   covariance_.col(k).setZero();
@@ -116,13 +129,13 @@ void ConditionalProgramme::fix(int k, double value) {
 // Descent by moves of one variable, or of two at once, in energy plus a price per unit of violated row.
 class LocalSearch {
  public:
-  LocalSearch(const Eigen::MatrixXd& schur, const Eigen::VectorXd& target, const Eigen::MatrixXd& rows,
+  LocalSearch(const Eigen::MatrixXd& schur, const Eigen::VectorXd& target, const RowSystem& system,
               Eigen::VectorXd& values)
       : schur_(schur),
-        rows_(rows),
+        rows_(system.rows),
         values_(values),
         force_(schur * (values - target)),
-        slack_(rows * values - Eigen::VectorXd::Ones(rows.rows())),
+        slack_(rows_ * values - system.least),
         // dearer than the energy of any move of a few cells
         price_(100 * (1 + schur.diagonal().maxCoeff())) {}
 
@@ -188,6 +201,19 @@ class LocalSearch {
   double best_a_ = 0, best_b_ = 0;
 };
 
+// over the coefficients of the basis
+RowSystem row_system(const std::vector<SeparationRow>& rows, const Eigen::MatrixXd& basis) {
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  RowSystem out{Eigen::MatrixXd::Zero(count, basis.rows()), Eigen::VectorXd(count)};
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const SeparationRow& row = rows[static_cast<size_t>(j)];
+    for (const auto& [index, factor] : row.terms) out.rows(j, index) = static_cast<double>(factor);
+    out.least[j] = 1 - static_cast<double>(row.constant);
+  }
+  out.rows = out.rows * basis;
+  return out;
+}
+
 }  // namespace
 
 Eigen::MatrixXd reduced_basis(const Eigen::MatrixXd& schur) {
@@ -219,16 +245,10 @@ Quantization quantize(const Eigen::MatrixXd& schur, const Eigen::VectorXd& targe
   out.values = target;
   if (target.size() == 0) return out;
   const Eigen::MatrixXd basis = reduced_basis(schur);
-  Eigen::MatrixXd row_matrix = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()), target.size());
-  for (size_t j = 0; j < rows.size(); ++j) {
-    for (const auto& [index, factor] : rows[j].terms) {
-      row_matrix(static_cast<Eigen::Index>(j), index) = static_cast<double>(factor);
-    }
-  }
-  row_matrix = row_matrix * basis;
+  const RowSystem system = row_system(rows, basis);
   const Eigen::MatrixXd local = basis.transpose() * schur * basis;
   const Eigen::VectorXd local_target = basis.partialPivLu().solve(target);
-  ConditionalProgramme programme(local, local_target, row_matrix);
+  ConditionalProgramme programme(local, local_target, system);
   double value = 0;
   programme.solve_rows();
   for (int k = programme.cheapest(value); k >= 0; k = programme.cheapest(value)) {
@@ -236,13 +256,13 @@ Quantization quantize(const Eigen::MatrixXd& schur, const Eigen::VectorXd& targe
     programme.solve_rows();
   }
   Eigen::VectorXd values = programme.optimum().array().round();
-  LocalSearch search(local, local_target, row_matrix, values);
+  LocalSearch search(local, local_target, system, values);
   const int most_moves = 20 * static_cast<int>(target.size());
   while (out.local_moves < most_moves && search.step()) ++out.local_moves;
   out.values = (basis * values).array().round();
   const Eigen::VectorXd shift = out.values - target;
   out.energy = shift.dot(schur * shift);
-  out.violated_rows = static_cast<int>(((row_matrix * values).array() < 0.5).count());
+  out.violated_rows = static_cast<int>(((system.rows * values - system.least).array() < -0.5).count());
   return out;
 }
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "miq/separation.hpp"
+#include "miq/critical_triangulation.hpp"
 
 namespace neurframe {
 
@@ -15,7 +15,8 @@ struct Quantization {
   int local_moves = 0;
 };
 
-// Minimises (m - target)^T S (m - target) over integers m with every row at least 1: the quadratic programme
+// Minimises (m - target)^T S (m - target) over integers m with every row at least 1
+// (a row's constant counts): the quadratic programme
 // with rows is solved by Hildreth's method, the variable whose rounding costs least energy is fixed, and so
 // on, each time with the others at their conditional optimum (a rank-1 update of S^-1); then moves of one and
 // of two variables descend further.  S must be positive definite.

@@ -1,7 +1,6 @@
 #include "miq/stiffening.hpp"
 
 #include "core/errors.hpp"
-#include "miq/untangle.hpp"
 
 namespace neurframe {
 namespace {
@@ -56,12 +55,33 @@ std::vector<int> ring_distance(const CrossSurface& surface, const std::vector<in
 
 }  // namespace
 
-StiffeningResult solve_with_stiffening(MapSystem& system, const CrossSurface& surface,
+std::vector<int> defective_triangles(const MapProblem& problem, const MapCheck& check) {
+  std::vector<char> overwound(problem.surface.positions.size(), 0);
+  for (const int v : check.overwound) overwound[static_cast<size_t>(v)] = 1;
+  std::vector<int> triangles = check.folded;
+  for (int f = 0; f < problem.surface.triangle_count(); ++f) {
+    for (const int v : problem.surface.triangles[static_cast<size_t>(f)]) {
+      if (overwound[static_cast<size_t>(v)]) triangles.push_back(f);
+    }
+  }
+  return triangles;
+}
+
+void stiffen(const CrossSurface& surface, const std::vector<int>& triangles, std::vector<double>& stiffness) {
+  constexpr int kRings = 4;
+  const std::vector<int> ring = ring_distance(surface, triangles, kRings);
+  for (size_t f = 0; f < ring.size(); ++f) {
+    if (ring[f] >= 0) stiffness[f] *= 1 + 2.0 * (kRings + 1 - ring[f]) / (kRings + 1);
+  }
+}
+
+StiffeningResult solve_with_stiffening(MapSystem& system, const MapProblem& problem,
                                        const TriangleShapes& shapes, int most_rounds,
                                        std::vector<double>& stiffness, Eigen::VectorXd& real,
                                        Eigen::VectorXd& integer) {
-  constexpr int kRings = 4;
+  constexpr int kPatience = 3;  // rounds without fewer defects; the untangler then takes over
   StiffeningResult result;
+  int best_round = 0;
   std::vector<double> trial_stiffness = stiffness;
   Eigen::VectorXd trial_real = real;
   Eigen::VectorXd trial_integer = integer;
@@ -69,20 +89,20 @@ StiffeningResult solve_with_stiffening(MapSystem& system, const CrossSurface& su
   factor.analyzePattern(system.matrix());
   for (;; ++result.rounds) {
     solve_least_squares(system, shapes, trial_stiffness, factor, trial_real, trial_integer);
-    const std::vector<int> folded = folded_triangles(system, shapes, trial_real, trial_integer);
-    const int folds = static_cast<int>(folded.size());
-    if (result.rounds == 0) result.folds_before = folds;
-    if (result.rounds == 0 || folds < result.folds_after) {
-      result.folds_after = folds;
+    const MapCheck check = check_map(problem.surface, problem.sectors,
+                                     fixed_point_map(problem.variables, trial_real, trial_integer));
+    const int defects = static_cast<int>(check.defects());
+    if (result.rounds == 0) result.defects_before = defects;
+    if (result.rounds == 0 || defects < result.defects_after) {
+      result.defects_after = defects;
+      best_round = result.rounds;
       stiffness = trial_stiffness;
       real = trial_real;
       integer = trial_integer;
     }
-    if (folds == 0 || result.rounds == most_rounds) return result;
-    const std::vector<int> ring = ring_distance(surface, folded, kRings);
-    for (size_t f = 0; f < ring.size(); ++f) {
-      if (ring[f] >= 0) trial_stiffness[f] *= 1 + 2.0 * (kRings + 1 - ring[f]) / (kRings + 1);
-    }
+    if (defects == 0 || result.rounds == most_rounds || result.rounds - best_round == kPatience)
+      return result;
+    stiffen(problem.surface, defective_triangles(problem, check), trial_stiffness);
   }
 }
 

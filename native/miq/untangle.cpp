@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/parallel.hpp"
+
 namespace neurframe {
 namespace {
 
@@ -52,43 +54,26 @@ class FoldoverEnergy {
 
   // total energy; the least determinant and the number of folds are kept beside it
   double value(const Eigen::VectorXd& real, const Eigen::VectorXd& integer, double epsilon) {
-    double total = 0;
-    least_determinant_ = std::numeric_limits<double>::infinity();
-    folds_ = 0;
-    for (size_t f = 0; f < shapes_.weight.size(); ++f) {
-      const Eigen::Vector4d jacobian = jacobian_at(f, real, integer);
-      const double d = determinant(jacobian);
-      least_determinant_ = std::min(least_determinant_, d);
-      folds_ += d <= 0;
-      const Barrier barrier = barrier_at(d, epsilon);
-      total += weight(f) * (jacobian.squaredNorm() * barrier.p + options_.determinant_weight * barrier.q +
-                            options_.alignment_weight * (jacobian - identity_).squaredNorm());
+    const auto count = static_cast<int64_t>(shapes_.weight.size());
+    std::vector<Part> parts(static_cast<size_t>(chunk_count(count)));
+    parallel_chunks(count, options_.threads, [&](int64_t begin, int64_t end, int64_t chunk) {
+      parts[static_cast<size_t>(chunk)] = part_of_value(begin, end, real, integer, epsilon);
+    });
+    Part whole;
+    for (const Part& part : parts) {
+      whole.energy += part.energy;
+      whole.least_determinant = std::min(whole.least_determinant, part.least_determinant);
+      whole.folds += part.folds;
     }
-    return total;
+    least_determinant_ = whole.least_determinant;
+    folds_ = whole.folds;
+    return whole.energy;
   }
 
   // assembles gradient and projected Hessian in the system
   void linearise(const Eigen::VectorXd& real, const Eigen::VectorXd& integer, double epsilon) {
-    for (size_t f = 0; f < shapes_.weight.size(); ++f) {
-      const Eigen::Vector4d jacobian = jacobian_at(f, real, integer);
-      const Eigen::Vector4d cofactor = cofactors(jacobian);
-      const Barrier b = barrier_at(determinant(jacobian), epsilon);
-      const double norm2 = jacobian.squaredNorm();
-      const double slope = norm2 * b.p1 + options_.determinant_weight * b.q1;
-      const double curvature = norm2 * b.p2 + options_.determinant_weight * b.q2;
-      const Eigen::Vector4d gradient =
-          2 * b.p * jacobian + slope * cofactor + 2 * options_.alignment_weight * (jacobian - identity_);
-      Eigen::Matrix4d hessian = (2 * b.p + 2 * options_.alignment_weight) * Eigen::Matrix4d::Identity();
-      hessian += 2 * b.p1 * (jacobian * cofactor.transpose() + cofactor * jacobian.transpose());
-      hessian += curvature * cofactor * cofactor.transpose();
-      hessian(0, 3) += slope;
-      hessian(3, 0) += slope;
-      hessian(1, 2) -= slope;
-      hessian(2, 1) -= slope;
-      project(hessian);
-      hessians_[f] = weight(f) * shapes_.jacobian[f].transpose() * hessian * shapes_.jacobian[f];
-      gradients_[f] = weight(f) * shapes_.jacobian[f].transpose() * gradient;
-    }
+    parallel_for(static_cast<int64_t>(shapes_.weight.size()), options_.threads,
+                 [&](int64_t f) { linearise_triangle(static_cast<size_t>(f), real, integer, epsilon); });
     system_.assemble(hessians_, gradients_);
   }
 
@@ -96,6 +81,50 @@ class FoldoverEnergy {
   int folds() const { return folds_; }
 
  private:
+  struct Part {
+    double energy = 0;
+    double least_determinant = std::numeric_limits<double>::infinity();
+    int folds = 0;
+  };
+
+  Part part_of_value(int64_t begin, int64_t end, const Eigen::VectorXd& real, const Eigen::VectorXd& integer,
+                     double epsilon) const {
+    Part part;
+    for (auto f = static_cast<size_t>(begin); f < static_cast<size_t>(end); ++f) {
+      const Eigen::Vector4d jacobian = jacobian_at(f, real, integer);
+      const double d = determinant(jacobian);
+      part.least_determinant = std::min(part.least_determinant, d);
+      part.folds += d <= 0;
+      const Barrier barrier = barrier_at(d, epsilon);
+      part.energy +=
+          weight(f) * (jacobian.squaredNorm() * barrier.p + options_.determinant_weight * barrier.q +
+                       options_.alignment_weight * (jacobian - identity_).squaredNorm());
+    }
+    return part;
+  }
+
+  void linearise_triangle(size_t f, const Eigen::VectorXd& real, const Eigen::VectorXd& integer,
+                          double epsilon) {
+    const Eigen::Vector4d jacobian = jacobian_at(f, real, integer);
+    const Eigen::Vector4d cofactor = cofactors(jacobian);
+    const Barrier b = barrier_at(determinant(jacobian), epsilon);
+    const double norm2 = jacobian.squaredNorm();
+    const double slope = norm2 * b.p1 + options_.determinant_weight * b.q1;
+    const double curvature = norm2 * b.p2 + options_.determinant_weight * b.q2;
+    const Eigen::Vector4d gradient =
+        2 * b.p * jacobian + slope * cofactor + 2 * options_.alignment_weight * (jacobian - identity_);
+    Eigen::Matrix4d hessian = (2 * b.p + 2 * options_.alignment_weight) * Eigen::Matrix4d::Identity();
+    hessian += 2 * b.p1 * (jacobian * cofactor.transpose() + cofactor * jacobian.transpose());
+    hessian += curvature * cofactor * cofactor.transpose();
+    hessian(0, 3) += slope;
+    hessian(3, 0) += slope;
+    hessian(1, 2) -= slope;
+    hessian(2, 1) -= slope;
+    project(hessian);
+    hessians_[f] = weight(f) * shapes_.jacobian[f].transpose() * hessian * shapes_.jacobian[f];
+    gradients_[f] = weight(f) * shapes_.jacobian[f].transpose() * gradient;
+  }
+
   // a triangle much smaller than the mean would be free to fold for next to nothing
   double weight(size_t f) const { return std::max(shapes_.weight[f], floor_); }
   Eigen::Vector4d jacobian_at(size_t f, const Eigen::VectorXd& real, const Eigen::VectorXd& integer) const {
@@ -130,17 +159,6 @@ double next_epsilon(double epsilon, double before, double after, double least) {
 }
 
 }  // namespace
-
-std::vector<int> folded_triangles(const MapSystem& system, const TriangleShapes& shapes,
-                                  const Eigen::VectorXd& real, const Eigen::VectorXd& integer) {
-  std::vector<int> folded;
-  for (size_t f = 0; f < shapes.weight.size(); ++f) {
-    const int id = static_cast<int>(f);
-    const Eigen::Vector4d jacobian = shapes.jacobian[f] * system.corner_parameters(id, real, integer);
-    if (!(determinant(jacobian) > 0)) folded.push_back(id);
-  }
-  return folded;
-}
 
 UntangleResult untangle(MapSystem& system, const TriangleShapes& shapes, const UntangleOptions& options,
                         Eigen::VectorXd& real, Eigen::VectorXd& integer) {

@@ -10,8 +10,9 @@ namespace neurframe {
 
 struct UntangleOptions {
   int most_iterations = 60;
-  int patience = 15;              // iterations without fewer folds before giving up
-  int polish = 4;                 // iterations after the last fold is gone
+  int patience = 15;  // iterations without fewer folds before giving up
+  int polish = 4;     // iterations after the last fold is gone
+  int threads = 1;
   double determinant_weight = 1;  // of the area term against the shape term
   double alignment_weight = 0.1;  // of |J - I|^2, which keeps the map near the field
 };
@@ -29,9 +30,5 @@ struct UntangleResult {
 // a line search.  Changes `real`, and `integer` where the system frees the integers.
 UntangleResult untangle(MapSystem& system, const TriangleShapes& shapes, const UntangleOptions& options,
                         Eigen::VectorXd& real, Eigen::VectorXd& integer);
-
-// triangles with det J <= 0, in floating point
-std::vector<int> folded_triangles(const MapSystem& system, const TriangleShapes& shapes,
-                                  const Eigen::VectorXd& real, const Eigen::VectorXd& integer);
 
 }  // namespace neurframe

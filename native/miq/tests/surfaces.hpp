@@ -95,6 +95,33 @@ inline TriangleMesh cube(int n) {
   return mesh;
 }
 
+// The surface of the tetrahedron with three right angles at the origin, n edges a side, outward normals: its
+// tips are corners of 45 degrees between two features.
+inline TriangleMesh right_tetrahedron(int n) {
+  TriangleMesh mesh;
+  std::map<std::array<int, 3>, int> index;
+  const std::array<std::array<int, 3>, 4> corners{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  const std::array<std::array<size_t, 3>, 4> faces{{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  for (const auto& face : faces) {
+    const auto vertex = [&](int i, int j) {
+      std::array<int, 3> p{};
+      for (size_t k = 0; k < 3; ++k) {
+        p[k] = (n - i - j) * corners[face[0]][k] + i * corners[face[1]][k] + j * corners[face[2]][k];
+      }
+      const auto [found, fresh] = index.emplace(p, static_cast<int>(mesh.V.size()));
+      if (fresh) mesh.V.push_back({p[0] / double(n), p[1] / double(n), p[2] / double(n)});
+      return found->second;
+    };
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; i + j < n; ++j) {
+        mesh.F.push_back({vertex(i, j), vertex(i + 1, j), vertex(i, j + 1)});
+        if (i + j + 1 < n) mesh.F.push_back({vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
+      }
+    }
+  }
+  return mesh;
+}
+
 // crosses of a cube: of the coordinate axes, the first that is tangent
 inline Eigen::Vector3d cube_direction(const Eigen::Vector3d&, const Eigen::Vector3d& normal) {
   Eigen::Index main = 0;

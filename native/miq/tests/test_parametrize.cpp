@@ -19,7 +19,7 @@ Parametrization run(const CrossedMesh& input, double edge_length, std::string* s
                     int faces = 0) {
   ParametrizeOptions options;
   options.edge_length = edge_length;
-  options.target_faces = faces;
+  options.integer_grid.target_faces = faces;
   Json json;
   Parametrization result = parametrize(input.mesh, input.crosses, {}, options, json);
   if (statistics) *statistics = json.dump();
@@ -87,6 +87,7 @@ void check_seams(const QuadMap& map) {
 void check_valid(const Parametrization& result) {
   CHECK(result.check.folded.empty());
   CHECK(result.check.overwound.empty());
+  CHECK(result.complete);
   CHECK(result.source.size() == result.map.mesh.F.size());
   check_seams(result.map);
 }
@@ -163,6 +164,20 @@ void test_target_faces_are_reached() {
   CHECK_NEAR(result.check.cells, 500.0, 25.0);
 }
 
+// A singularity beside each tip left no room for the cells between the two features there.
+void test_sharp_tips_have_room() {
+  const Parametrization result =
+      run(test::with_crosses(test::right_tetrahedron(12), test::cube_direction), 0.08);
+  check_valid(result);
+}
+
+// far coarser than the shape: as many cells as it takes
+void test_coarse_scale_ends_in_a_mesh() {
+  const Parametrization result = run(sphere(), 3.0);
+  check_valid(result);
+  CHECK(result.check.cells >= 6);
+}
+
 void test_bad_input_is_refused() {
   CrossedMesh bad = patch();
   bad.crosses[3] = {0, 0, 1, 0, 0, 1};
@@ -184,6 +199,8 @@ int main() {
   neurframe::test_components_do_not_mix();
   neurframe::test_rotation_changes_nothing();
   neurframe::test_target_faces_are_reached();
+  neurframe::test_sharp_tips_have_room();
+  neurframe::test_coarse_scale_ends_in_a_mesh();
   neurframe::test_bad_input_is_refused();
   return neurframe::test_result();
 }

@@ -1,0 +1,134 @@
+#include "miq/integer_grid.hpp"
+
+#include <cmath>
+
+namespace neurframe {
+namespace {
+
+double parametric_area(const MapProblem& problem, const MapSystem& system, const Eigen::VectorXd& real,
+                       const Eigen::VectorXd& integer) {
+  double area = 0;
+  for (int f = 0; f < problem.surface.triangle_count(); ++f) {
+    const Vector6 x = system.corner_parameters(f, real, integer);
+    area += ((x[2] - x[0]) * (x[5] - x[1]) - (x[4] - x[0]) * (x[3] - x[1])) / 2;
+  }
+  return area;
+}
+
+class IntegerGridSolver {
+ public:
+  IntegerGridSolver(const MapProblem& problem, SeamlessMap& seamless, const IntegerGridOptions& options)
+      : problem_(problem),
+        seamless_(seamless),
+        options_(options),
+        held_system_(problem.variables, problem.surface.triangle_count(), false) {
+    MapSystem free_system(problem.variables, problem.surface.triangle_count(), true);
+    poisson_ = poisson_system(problem.variables, free_system, seamless.shapes, seamless.stiffness);
+  }
+
+  // true if the triangulation of the critical vertices can follow the integers
+  bool choose_integers(IntegerGrid& grid, Json& statistics);
+  // repeats that at corrected edge lengths until there are as many cells as asked for
+  bool choose_for_target(IntegerGrid& grid, Json& statistics);
+  void solve_map(IntegerGrid& grid, Json& statistics);
+  void rescale(IntegerGrid& grid, double factor) {
+    seamless_.rescale(factor);
+    grid.edge_length_factor *= factor;
+  }
+
+ private:
+  // the real variables after the least deformation that takes the integers to whole numbers
+  Eigen::VectorXd moved_to(const Eigen::VectorXd& whole) const {
+    return seamless_.real + poisson_.real_response(whole - seamless_.integer);
+  }
+
+  const MapProblem& problem_;
+  SeamlessMap& seamless_;
+  const IntegerGridOptions& options_;
+  MapSystem held_system_;
+  PoissonSystem poisson_;  // in cells: the same at every edge length
+};
+
+bool IntegerGridSolver::choose_integers(IntegerGrid& grid, Json& statistics) {
+  const CriticalTriangulation triangulation(problem_, seamless_.real, seamless_.integer);
+  SeparationRows rows = triangulation.near_rows(options_.separation_reach);
+  statistics["near_rows"] = rows.size();
+  int collapsed = 0;
+  int round = 0;
+  bool fresh = true;
+  for (; fresh && round < options_.most_row_rounds; ++round) {
+    const Quantization found =
+        quantize(poisson_.schur, seamless_.integer, std::vector<SeparationRow>(rows.begin(), rows.end()));
+    grid.integer = found.values;
+    grid.real = moved_to(grid.integer);
+    statistics["violated_rows"] = found.violated_rows;
+    statistics["energy"] = found.energy;
+    statistics["local_moves"] = found.local_moves;
+    SeparationRows broken = triangulation.broken_rows(grid.real, grid.integer, collapsed);
+    const size_t before = rows.size();
+    rows.merge(broken);
+    fresh = rows.size() > before;
+    if (collapsed == 0) break;
+  }
+  statistics["separation_rows"] = rows.size();
+  statistics["row_rounds"] = round + 1;
+  statistics["collapsed"] = collapsed;
+  statistics["vertices_left"] = triangulation.vertices_left();
+  return collapsed == 0;
+}
+
+bool IntegerGridSolver::choose_for_target(IntegerGrid& grid, Json& statistics) {
+  constexpr int kMostRounds = 8;
+  constexpr double kTolerance = 0.02;
+  for (int round = 1;; ++round) {
+    const bool found = choose_integers(grid, statistics);
+    if (options_.target_faces <= 0 || round == kMostRounds) return found;
+    const double cells = parametric_area(problem_, held_system_, grid.real, grid.integer);
+    const double ratio = cells / options_.target_faces;
+    statistics["rounds"] = round;
+    if (!(ratio > 0) || std::abs(ratio - 1) < kTolerance) return found;
+    rescale(grid, std::sqrt(ratio));
+  }
+}
+
+void IntegerGridSolver::solve_map(IntegerGrid& grid, Json& statistics) {
+  UntangleOptions options;
+  options.threads = options_.threads;
+  statistics = untangle_json(untangle(held_system_, seamless_.shapes, options, grid.real, grid.integer));
+  grid.fixed = fixed_point_map(problem_.variables, grid.real, grid.integer);
+  grid.check = check_map(problem_.surface, problem_.sectors, grid.fixed);
+  grid.lost = {};
+  if (!grid.check.valid()) return;
+  grid.lost =
+      lost_quads(quad_map(problem_.surface, problem_.variables, problem_.graph, grid.fixed, grid.integer),
+                 options_.threads);
+}
+
+}  // namespace
+
+IntegerGrid solve_integer_grid(const MapProblem& problem, SeamlessMap& seamless,
+                               const IntegerGridOptions& options, Json& statistics) {
+  IntegerGridSolver solver(problem, seamless, options);
+  IntegerGrid grid;
+  Json& quantization = statistics["quantization"];
+  bool found = solver.choose_for_target(grid, quantization);
+  int refinements = 0;
+  const auto refine = [&] {
+    ++refinements;
+    solver.rescale(grid, options.refinement);
+    return solver.choose_integers(grid, quantization);
+  };
+  // a map that is not valid to begin with does not become so
+  const int most = seamless.check.valid() ? options.most_refinements : 0;
+  while (!found && refinements < most) found = refine();
+  solver.solve_map(grid, statistics["integer_grid"]);
+  while (!grid.complete() && refinements < most) {
+    refine();
+    solver.solve_map(grid, statistics["integer_grid"]);
+  }
+  quantization["refinements"] = refinements;
+  quantization["edge_length_factor"] = grid.edge_length_factor;
+  return grid;
+}
+
+}  // namespace neurframe
