@@ -2,7 +2,7 @@
 
     python benchmarks/kill_and_resume.py samples/cube.stl --kills 20
 
-For each of tetize and train: one undisturbed run, then per kill a fresh copy, the same command killed after a random
+For each stage: one undisturbed run, then per kill a fresh copy, the same command killed after a random
 share of the undisturbed time, every file left checked against the manifest (none torn), the command run again, and the
 outputs compared byte by byte.  Prints one JSON line a kill and a summary; exit status 1 where anything differed.
 """
@@ -27,6 +27,22 @@ from neurframe_cli.pipeline.manifest import read_manifest
 OUTPUTS = {
     "tetize": ("surface.ply", "tets.mesh", "features.json"),
     "train": ("field.safetensors",),
+    "discretize": ("tets.fra", "cross.npz"),
+    "quad": ("map.obj", "quad.obj"),
+    "hex": ("map.hexex", "hex.vtk"),
+}
+# what has to be there before a stage
+BEFORE = {
+    "tetize": (),
+    "train": ("tetize",),
+    "discretize": ("tetize", "train"),
+    "quad": ("tetize", "train", "discretize"),
+    "hex": ("tetize", "train", "discretize"),
+}
+OPTIONS = {
+    "discretize": ["--no-pictures"],
+    "quad": ["--no-pictures", "--scale", "30"],
+    "hex": ["--no-pictures", "--scale", "10"],
 }
 
 
@@ -57,9 +73,8 @@ def kill_stage(stage: str, arguments: argparse.Namespace, scratch: Path, rng: ra
     scratch.mkdir()
     before = scratch / "before"
     before.mkdir()
-    tetize = command("tetize", arguments, before)
-    if stage == "train":
-        subprocess.run(tetize, check=True)
+    for earlier in BEFORE[stage]:
+        subprocess.run(command(earlier, arguments, before), check=True)
     reference, seconds = undisturbed(stage, arguments, before, scratch / "reference")
     failures = 0
     for number in range(arguments.kills):
@@ -74,10 +89,10 @@ def kill_stage(stage: str, arguments: argparse.Namespace, scratch: Path, rng: ra
 
 
 def command(stage: str, arguments: argparse.Namespace, workspace: Path) -> list[str]:
-    base = [sys.executable, "-m", "neurframe_cli", stage, "-q", "-w", str(workspace)]
-    return (
-        [*base, str(arguments.model), "--edge-length", arguments.edge_length] if stage == "tetize" else base
-    )
+    base = [sys.executable, "-m", "neurframe_cli", stage, "-q", "--threads", "1", "-w", str(workspace)]
+    if stage == "tetize":
+        return [*base, str(arguments.model), "--edge-length", arguments.edge_length]
+    return [*base, *OPTIONS.get(stage, [])]
 
 
 def undisturbed(
