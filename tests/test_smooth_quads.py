@@ -10,6 +10,7 @@ from smooth_shapes import Shape, bump_quads, cube_quads, jitter, patch_quads, sp
 
 from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Floats, Surface, silent
+from neurframe_cli.mesh.features import features_from_edges
 from neurframe_cli.mesh.optimize.improve import ImproveOptions
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
 from neurframe_cli.mesh.quality.feature_recall import feature_recall
@@ -100,6 +101,38 @@ def test_the_distance_limit_holds_vertices_back() -> None:
     assert held.after.min_scaled_jacobian >= held.before.min_scaled_jacobian
 
 
+def test_quads_are_moved_to_a_tip_that_they_pass_by() -> None:
+    shape = patch_quads(10, 50)
+    V = shape.surface.V.copy()
+    V[:, 2] += 0.06 * np.exp(-((V[:, :2] - 0.55) ** 2).sum(axis=1) / 0.06**2)  # in the middle of a quad
+    surface = Surface(V, shape.surface.F)
+    X = jitter(shape.V, 0.04, seed=8)
+    assert worst(X, shape) < 0.5  # a mesh that is better than that is left as good as it is
+    free = smooth_quads(X, shape.cells, surface, shape.features, SmoothOptions(reach_limit=1.0))
+    near = smooth_quads(X, shape.cells, surface, shape.features, SmoothOptions())
+    assert near.report.after.hausdorff < 0.95 * free.report.after.hausdorff
+    assert near.report.after.min_scaled_jacobian > 0.5
+
+
+def test_creases_of_a_few_edges_hold_nothing() -> None:
+    shape = torus_quads(30, 12)
+    scratched = features_from_edges(shape.surface.V, shape.surface.F[:1, :2])
+    result = smooth_quads(shape.V, shape.cells, shape.surface, scratched, SmoothOptions())
+    assert result.report.classification.curves == 0
+
+
+def test_the_end_of_a_crease_is_free_to_slide() -> None:
+    shape = patch_quads(10, 20)
+    V = shape.surface.V
+    middle = np.flatnonzero((V[:, 1] == 0.5) & (V[:, 0] <= 0.6))
+    line = features_from_edges(V, np.stack([middle[:-1], middle[1:]], axis=1))
+    result = smooth_quads(shape.V, shape.cells, shape.surface, line, SmoothOptions())
+    found = result.report.classification
+    # the four corners of the patch, and both ends of the crease, of which the one on the outline is held
+    assert (found.corners, found.matched_corners, found.matched_curves) == (6, 6, found.curves)
+    assert found.on_curves == 40 - 4 - 1 + 6
+
+
 def test_a_perfect_mesh_stays() -> None:
     shape = cube_quads(4)
     result = smooth(shape, shape.V)
@@ -123,8 +156,8 @@ def test_motion_and_scale_carry_over(shape: Shape) -> None:
         return scale * P @ rotation.T + np.array([3.0, -2.0, 1.0])
 
     V = jitter(shape.V, 0.02, seed=6)
-    # the limit is measured in axis-parallel boxes, which do turn
-    options = SmoothOptions(hausdorff_limit=1.0)
+    # the limits are measured in axis-parallel boxes, which do turn
+    options = SmoothOptions(hausdorff_limit=1.0, reach_limit=1.0)
     still = smooth(shape, V, options)
     moved = smooth_quads(
         move(V), shape.cells, Surface(move(shape.surface.V), shape.surface.F), shape.features, options

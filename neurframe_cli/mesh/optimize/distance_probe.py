@@ -27,7 +27,12 @@ class DistanceProbe:
         P = x[self.triangles]
         there = np.stack([P[:, 0], P[:, 1], (P[:, 0] + P[:, 1]) / 2, (P[:, 1] + P[:, 2]) / 2, P.mean(axis=1)])
         distances = self._tree.distances(there.reshape(-1, 3)).reshape(-1, 2, count).max(axis=(0, 1))
-        foot = SimplexTree(x, self.triangles).closest(self._points)
-        back = np.linalg.norm(foot.points - self._points, axis=1)
-        np.maximum.at(distances, foot.simplices % count, back)
+        back, face, _ = self.surface_samples(x)
+        np.maximum.at(distances, face, back)
         return np.asarray(distances)
+
+    def surface_samples(self, x: Floats) -> tuple[Floats, Ints, Floats]:
+        """Of the surface's samples: distance (k,) to the faces, the closest face (k,), position (k,3)."""
+        foot = SimplexTree(x, self.triangles).closest(self._points)
+        distance = np.linalg.norm(foot.points - self._points, axis=1)
+        return np.asarray(distance), foot.simplices % len(self.faces), self._points

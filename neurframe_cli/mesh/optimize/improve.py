@@ -84,7 +84,7 @@ class Improver:
         lengths = target_lengths(X, cells, kind, options.anisotropy, rounds=5)
         corners = cells[:, kind.corners].reshape(-1, kind.corners.shape[1])
         self.energy = CornerEnergy(len(X), corners[:, 0], corners[:, 1:], lengths.reshape(len(corners), -1))
-        self.first = self._state(X)
+        self.first = self.state(X)
 
     def run(self, start: Floats, progress: Progress) -> tuple[State, int]:
         """Best state found from `start` (n,3), never worse than X in its worst cell, and the number of rounds."""
@@ -110,17 +110,19 @@ class Improver:
             if gain < self.options.gain:
                 break
 
-    def guarded(self, old: State, new: Floats, harmed: Harmed | None = None) -> State:
-        """As near to `new` as every cell allows that may not fall below what `old` permits, and as `harmed` allows:
-        the vertices (k,) whose steps do some other harm."""
-        allowed = least_allowed(old.quality)
+    def guarded(
+        self, old: State, new: Floats, harmed: Harmed | None = None, allowed: Floats | None = None
+    ) -> State:
+        """As near to `new` as every cell allows that may not fall below `allowed` (c,), or else what `old` permits, and
+        as `harmed` allows: the vertices (k,) whose steps do some other harm."""
+        allowed = least_allowed(old.quality) if allowed is None else allowed
         states: list[State] = []
 
         def project(x: Floats) -> Floats:
             return self.constraints.project(x).points
 
         def all_harmed(x: Floats) -> Ints:
-            states[:] = [self._state(x)]
+            states[:] = [self.state(x)]
             vertices = np.unique(self.cells[states[0].quality < allowed])
             return harmed(x) if len(vertices) == 0 and harmed is not None else vertices
 
@@ -143,7 +145,8 @@ class Improver:
         decrease = energy(foot.points)[0] - energy(new)[0]
         return self.constraints.project(new), decrease / self.energy.corners
 
-    def _state(self, x: Floats) -> State:
+    def state(self, x: Floats) -> State:
+        """The mesh with its vertices at x (n,3)."""
         outside = self._outside(x)
         return State(x, outside, self._quality(x, outside))
 

@@ -13,15 +13,23 @@ from neurframe_cli.mesh.optimize.classify import Classification, classify
 from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe
 from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver, Normals, State
 from neurframe_cli.mesh.optimize.patches import Patches
+from neurframe_cli.mesh.optimize.reach import reach_far_places
+from neurframe_cli.mesh.quality.polygons import unique_edges
+
+PASSED_BY = (
+    0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
+)
 
 
 @dataclass(frozen=True)
 class SmoothOptions:
     """hausdorff_limit, in bounding-box diagonals of the input: the distance of a boundary face may grow up to it, and
-    not at all beyond; samples on the surface for distances, seed for their places."""
+    not at all beyond; reach_limit, likewise: quads that leave places of the surface farther away are moved to them;
+    samples on the surface for distances, seed for their places."""
 
     improve: ImproveOptions = field(default_factory=ImproveOptions)
     hausdorff_limit: float = 0.01
+    reach_limit: float = 0.004
     samples: int = 10_000
     seed: int = 0
 
@@ -89,15 +97,24 @@ def smooth_cells(
     final = improver.guarded(improver.first, improved.x, too_far)
     if not final.better_than(improver.first):
         final = improver.first  # what is left of the way leads nowhere
+    held_back = int((final.x != improved.x).any(axis=1).sum())
+    if normals is not None:
+        passed_by = max(options.reach_limit * diagonal, PASSED_BY * _median_edge(final.x, faces))
+        final = reach_far_places(improver, final, probe, passed_by)
     progress(1.0, f"worst {final.quality.min():.3f}, mean {final.quality.mean():.3f}")
     report = SmoothReport(
         before=_numbers(improver.first, distances, diagonal),
         after=_numbers(final, probe.worst_by_face(final.x), diagonal),
         classification=classified.found,
         rounds=rounds,
-        held_back=int((final.x != improved.x).any(axis=1).sum()),
+        held_back=held_back,
     )
     return SmoothedMesh(final.x, report)
+
+
+def _median_edge(X: Floats, faces: Ints) -> float:
+    ends = X[unique_edges(faces)[0]]
+    return float(np.median(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
 
 
 def _outward(quads: Ints, patches: Patches) -> Normals:
