@@ -14,6 +14,7 @@ from neurframe_cli.mesh.quality.polygons import count_components, euler_characte
 from neurframe_cli.mesh.read_cells import CellMesh, read_cells
 from neurframe_cli.mesh.split_edges import with_short_edges
 from neurframe_cli.mesh.write_mesh import write_surface
+from neurframe_cli.pipeline.executables import find_executable
 from neurframe_cli.pipeline.manifest import read_manifest
 
 ALONE = ["--field", "surface", "--threads", "1", "--no-pictures", "-q"]
@@ -119,6 +120,22 @@ def test_adaptive_quads_are_smaller_on_a_bump(tmp_path: Path) -> None:
         ratios.append(np.median(size[away < 0.3]) / np.median(size[away > 0.8]))
     # a grid without singular vertices can only stretch: 0.80 beside 1.4
     assert ratios[1] < 0.75 * ratios[0]
+
+
+def test_another_program_in_place_of_ours(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("miq", "qex"):
+        script = tmp_path / name
+        script.write_text(
+            f'#!/bin/sh\necho "$@" > {tmp_path}/{name}.said\nexec {find_executable(name)} "$@"\n'
+        )
+        script.chmod(0o755)
+        monkeypatch.setenv(f"NEURFRAME_{name.upper()}", str(script))
+    mesh = quads_of(patch_quads(4, 20).surface, tmp_path, "--edge-length", "0.2", "--adaptive", "0.3")
+    assert topology(mesh)[:2] == (1, 1)
+    # what third_party/quad-tools.md promises
+    words = (tmp_path / "miq.said").read_text().split()
+    assert words[2::2] == ["-o", "--edge-length", "--sizing", "--feature-angle", "--threads"]
+    assert (tmp_path / "qex.said").read_text().split()[1::2] == ["-o", "--threads"]
 
 
 def lopsided() -> Surface:
