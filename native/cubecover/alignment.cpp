@@ -1,13 +1,10 @@
 #include "cubecover/alignment.hpp"
 
 #include <cmath>
-#include <optional>
 
 namespace neurframe {
 
 namespace {
-
-using Direction = std::optional<Eigen::Vector3d>;
 
 struct BoundaryDirections {
   std::vector<Direction> normal;               // per vertex: mean outward normal where the surface is smooth
@@ -51,21 +48,6 @@ int nearest_column(const Eigen::Matrix3d& frame, const Eigen::Vector3d& directio
   return column;
 }
 
-// The frame turned so that its axis nearest to `first` lies along it, and then, about that axis, so that
-// another one lies along what of `second` is orthogonal to `first`.
-Eigen::Matrix3d aligned_frame(const Eigen::Matrix3d& frame, const Eigen::Vector3d& first,
-                              const Direction& second) {
-  const int column = nearest_column(frame, first);
-  const Eigen::Vector3d axis = frame.col(column);
-  Eigen::Matrix3d turned = shortest_rotation(axis, std::copysign(1.0, axis.dot(first)) * first) * frame;
-  if (!second) return turned;
-  const Eigen::Vector3d orthogonal = (*second - first * first.dot(*second)).normalized();
-  const Eigen::Vector3d side = turned.col(nearest_column(turned, orthogonal));
-  const Eigen::Vector3d target = std::copysign(1.0, side.dot(orthogonal)) * orthogonal;
-  const double angle = std::atan2(side.cross(target).dot(first), side.dot(target));
-  return Eigen::AngleAxisd(angle, first) * turned;
-}
-
 Direction feature_edge_in(const FieldMesh& mesh, int tet) {
   const Tet& corners = at(mesh.tets, tet);
   for (const auto& [i, j] : tet_edges) {
@@ -97,18 +79,15 @@ Direction common_direction(const Tet& tet, const std::vector<Direction>& of_vert
   return common ? Direction(sum.normalized()) : common;
 }
 
-struct Alignment {
-  Direction first;
-  Direction second;
-};
+Direction orthogonal_part(const Eigen::Vector3d& first, const Direction& second) {
+  if (!second || std::abs(first.dot(*second)) >= orthogonal_cosine) return {};
+  return (*second - first * first.dot(*second)).normalized();
+}
 
 Alignment alignment_of(const FieldMesh& mesh, const BoundaryDirections& directions, int tet) {
   const Direction normal = boundary_face_normal(mesh, tet);
   const Direction feature = feature_edge_in(mesh, tet);
-  if (normal) {
-    const bool orthogonal = feature && std::abs(normal->dot(*feature)) < orthogonal_cosine;
-    return {normal, orthogonal ? feature : Direction{}};
-  }
+  if (normal) return {normal, orthogonal_part(*normal, feature)};
   if (feature) return {feature, {}};
   const Tet& corners = at(mesh.tets, tet);
   const Direction from_surface = common_direction(corners, directions.normal);
@@ -117,13 +96,29 @@ Alignment alignment_of(const FieldMesh& mesh, const BoundaryDirections& directio
 
 }  // namespace
 
-void align_boundary_layer(FieldMesh& mesh) {
+std::vector<Alignment> boundary_alignments(const FieldMesh& mesh) {
   const BoundaryDirections directions = boundary_directions(mesh);
-  for (int t = 0; t < mesh.tet_count(); ++t) {
-    const Alignment alignment = alignment_of(mesh, directions, t);
-    if (alignment.first)
-      at(mesh.frames, t) = aligned_frame(at(mesh.frames, t), *alignment.first, alignment.second);
-  }
+  std::vector<Alignment> alignments;
+  for (int t = 0; t < mesh.tet_count(); ++t) alignments.push_back(alignment_of(mesh, directions, t));
+  return alignments;
+}
+
+Eigen::Matrix3d aligned_frame(const Eigen::Matrix3d& frame, const Alignment& alignment) {
+  if (!alignment.first) return frame;
+  const Eigen::Vector3d& first = *alignment.first;
+  const Eigen::Vector3d axis = frame.col(nearest_column(frame, first));
+  const Eigen::Matrix3d turned = shortest_rotation(axis, std::copysign(1.0, axis.dot(first)) * first) * frame;
+  if (!alignment.second) return turned;
+  const Eigen::Vector3d side = turned.col(nearest_column(turned, *alignment.second));
+  const Eigen::Vector3d target = std::copysign(1.0, side.dot(*alignment.second)) * *alignment.second;
+  const double angle = std::atan2(side.cross(target).dot(first), side.dot(target));
+  return Eigen::AngleAxisd(angle, first) * turned;
+}
+
+void align_boundary_layer(FieldMesh& mesh) {
+  const std::vector<Alignment> alignments = boundary_alignments(mesh);
+  for (int t = 0; t < mesh.tet_count(); ++t)
+    at(mesh.frames, t) = aligned_frame(at(mesh.frames, t), at(alignments, t));
 }
 
 }  // namespace neurframe

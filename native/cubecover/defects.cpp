@@ -29,30 +29,28 @@ const char* name_of(Defect::Kind kind) {
   return "";
 }
 
+double weight_of(Defect::Kind kind) {
+  switch (kind) {
+    case Defect::Kind::compound_edge:
+      return 10;
+    case Defect::Kind::empty_sector:
+    case Defect::Kind::overfull_sector:
+      return 5;
+    case Defect::Kind::turning_point:
+      return 3;
+    case Defect::Kind::crooked_sector:
+      return 2;
+    case Defect::Kind::degenerate_tet:
+      return 1;
+    case Defect::Kind::off_axis_edge:
+      return 0;  // a short jog of a line; most maps carry a few
+  }
+  return 0;
+}
+
 double defect_score(const std::vector<Defect>& defects) {
   double score = 0;
-  for (const Defect& defect : defects) {
-    switch (defect.kind) {
-      case Defect::Kind::compound_edge:
-        score += 10;
-        break;
-      case Defect::Kind::empty_sector:
-      case Defect::Kind::overfull_sector:
-        score += 5;
-        break;
-      case Defect::Kind::turning_point:
-        score += 3;
-        break;
-      case Defect::Kind::crooked_sector:
-        score += 2;
-        break;
-      case Defect::Kind::degenerate_tet:
-        score += 1;
-        break;
-      case Defect::Kind::off_axis_edge:
-        break;  // a short jog of a line; most maps carry a few
-    }
-  }
+  for (const Defect& defect : defects) score += weight_of(defect.kind);
   return score;
 }
 
@@ -144,7 +142,7 @@ std::vector<Defect> field_defects(const CombedField& field) {
 std::vector<Defect> degenerate_tets(const CombedField& field, const ReducedMap& map) {
   std::mt19937_64 random(1);  // any values do; fixed ones make the answer repeatable
   Eigen::VectorXd columns(map.column_count());
-  for (Eigen::Index i = 0; i < columns.size(); ++i) columns(i) = static_cast<double>(random() % 4096);
+  for (Eigen::Index i = 0; i < columns.size(); ++i) columns(i) = static_cast<double>(random() % 65536);
   const ExactMap exact = round_to_grid(map, columns);
   std::vector<Defect> defects;
   for (int t = 0; t < field.mesh.tet_count(); ++t) {

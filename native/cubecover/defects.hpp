@@ -22,6 +22,9 @@ struct Defect {
 
 const char* name_of(Defect::Kind kind);
 
+// What a defect of this kind adds to the score.
+double weight_of(Defect::Kind kind);
+
 // How far the field is from carrying a map: 0 without defects; kinds that no solver survives weigh most.
 double defect_score(const std::vector<Defect>& defects);
 

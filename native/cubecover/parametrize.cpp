@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <optional>
 #include <utility>
 
 #include "cubecover/quantize.hpp"
@@ -123,33 +124,122 @@ std::size_t failure_count(const Parametrization& result) {
 
 // With more of the mesh wrong than this, the field is at fault and refining is in vain.
 constexpr double hopeless_share = 0.02;
+// Of the lowest defect score: what a mesh of four times the tets must come down to, to be worth its time.
+constexpr double worth_refining = 0.5;
+
+constexpr int most_refined = 20000;  // tets; refined they are up to 100,000
+
+bool is_hopeless(std::size_t failed_tets, const FieldMesh& mesh) {
+  return static_cast<double>(failed_tets) > hopeless_share * mesh.tet_count();
+}
+
+// Tries one preparation after the other until a map is valid, and keeps the best one.
+class Search {
+ public:
+  Search(const FieldMesh& mesh, const ParametrizeOptions& options, Steps& steps)
+      : mesh_(mesh), options_(options), steps_(steps) {}
+
+  // A preparation without defects is solved at once, the others in the order of their defects.
+  void try_preparations() {
+    for (const Preparation& preparation : usual_preparations()) {
+      waiting_.push_back(prepared([&] { return prepare(mesh_, preparation); }));
+      if (waiting_.back().score() == 0) try_waiting();
+      if (done()) return;
+    }
+    if (waiting_.empty()) return;
+    const auto soundest = std::min_element(
+        waiting_.begin(), waiting_.end(),
+        [](const PreparedField& a, const PreparedField& b) { return a.score() < b.score(); });
+    if (!is_hopeless(soundest->defects.size(), soundest->framed))
+      *soundest = prepared([&] { return with_local_restarts(std::move(*soundest)); });
+    try_waiting();
+  }
+
+  void try_refined() {
+    if (done() || mesh_.tet_count() > most_refined) return;
+    PreparedField refined = prepared([&] { return prepare(mesh_, refined_preparation(mesh_)); });
+    if (refined.score() > worth_refining * best_score_) return;
+    waiting_.push_back(std::move(refined));
+    try_waiting();
+  }
+
+  void retry_around_failures() {
+    for (int retry = 0; retry < options_.retries && !done(); ++retry) {
+      const std::vector<int> failed = failed_tets(*best_);
+      if (is_hopeless(failed.size(), best_->field.mesh)) return;
+      const Preparation preparation = best_->preparation;
+      PreparedField refined =
+          prepared([&] { return prepare(refined_around(best_->field.mesh, failed), {0, 0}); });
+      refined.preparation = preparation;
+      const std::size_t failures = failure_count(*best_);
+      waiting_.push_back(std::move(refined));
+      try_waiting();
+      if (failure_count(*best_) >= failures) return;
+    }
+  }
+
+  Parametrization result() {
+    best_->input_tets = mesh_.tet_count();
+    best_->tries = tries_;
+    best_->preparations_judged = judged_;
+    best_->times = steps_.times();
+    return std::move(*best_);
+  }
+
+ private:
+  bool done() const { return best_ && best_->verification.valid(); }
+
+  template <class Make>
+  PreparedField prepared(const Make& make) {
+    PreparedField field = steps_.run(0.0, "prepare", make);
+    judged_.push_back(field.judged());
+    return field;
+  }
+
+  void try_waiting() {
+    std::stable_sort(waiting_.begin(), waiting_.end(),
+                     [](const PreparedField& a, const PreparedField& b) { return a.score() < b.score(); });
+    for (PreparedField& field : waiting_) {
+      if (!done()) try_field(std::move(field));
+    }
+    waiting_.clear();
+  }
+
+  void try_field(PreparedField field) {
+    const double score = field.score();
+    Parametrization next = solve(std::move(field), options_, steps_);
+    ++tries_;
+    if (best_ && failure_count(next) >= failure_count(*best_)) return;
+    best_ = std::move(next);
+    best_score_ = score;
+  }
+
+  const FieldMesh& mesh_;
+  const ParametrizeOptions& options_;
+  Steps& steps_;
+  std::vector<PreparedField> waiting_;
+  std::vector<PreparationScore> judged_;
+  std::optional<Parametrization> best_;
+  double best_score_ = 0;
+  int tries_ = 0;
+};
 
 }  // namespace
+
+Parametrization solve_prepared(PreparedField prepared, const ParametrizeOptions& options,
+                               const ProgressCallback& progress) {
+  Steps steps(progress);
+  return solve(std::move(prepared), options, steps);
+}
 
 Parametrization parametrize(const FieldMesh& mesh, const ParametrizeOptions& options,
                             const ProgressCallback& progress) {
   Steps steps(progress);
-  PreparedField prepared = steps.run(0.0, "prepare", [&] { return best_preparation(mesh); });
-  const std::vector<PreparationScore> judged = prepared.judged;
-  Parametrization best = solve(std::move(prepared), options, steps);
-  int tries = 1;
-  for (; tries <= options.retries && !best.verification.valid(); ++tries) {
-    const std::vector<int> failed = failed_tets(best);
-    if (static_cast<double>(failed.size()) > hopeless_share * best.field.mesh.tet_count()) break;
-    PreparedField refined = steps.run(0.1, "prepare", [&] {
-      return prepare(refined_around(best.field.mesh, failed),
-                     {0, best.preparation.smoothing_sweeps, best.preparation.straighten});
-    });
-    Parametrization next = solve(std::move(refined), options, steps);
-    next.preparation = best.preparation;
-    if (failure_count(next) >= failure_count(best)) break;
-    best = std::move(next);
-  }
-  best.input_tets = mesh.tet_count();
-  best.tries = tries;
-  best.preparations_judged = judged;
-  best.times = steps.times();
-  return best;
+  Search search(mesh, options, steps);
+  search.try_preparations();
+  search.try_refined();
+  search.retry_around_failures();
+  return search.result();
 }
 
 }  // namespace neurframe

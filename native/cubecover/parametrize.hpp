@@ -51,6 +51,10 @@ struct Parametrization {
 
 using ProgressCallback = std::function<void(double fraction, const std::string& step)>;
 
+// The map of one prepared field.
+Parametrization solve_prepared(PreparedField prepared, const ParametrizeOptions& options,
+                               const ProgressCallback& progress);
+
 // The best of the tries: the first valid map, or the one with the fewest folded tets and wrongly wound edges.
 Parametrization parametrize(const FieldMesh& mesh, const ParametrizeOptions& options,
                             const ProgressCallback& progress);

@@ -1,13 +1,11 @@
 #include "cubecover/preparation.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
-#include "cubecover/alignment.hpp"
+#include "cubecover/local_restart.hpp"
 #include "cubecover/matching.hpp"
 #include "cubecover/refine.hpp"
-#include "cubecover/smoothing.hpp"
 #include "cubecover/split.hpp"
 #include "cubecover/straighten.hpp"
 
@@ -15,16 +13,36 @@ namespace neurframe {
 
 namespace {
 
-FieldMesh matched_mesh(FieldMesh mesh, const Preparation& preparation) {
+constexpr int diffusion_rounds = 20;
+constexpr int restart_budget = 300000;           // tets that restarts may prepare again, all tries together
+constexpr double restart_radii[] = {1.5, 3, 5};  // mean edge lengths
+constexpr double restart_sources[] = {0, 0.4, 0.8};  // along the rim
+
+FieldMesh framed_mesh(FieldMesh mesh, const Preparation& preparation) {
   if (preparation.longest_edge > 0) bound_edge_lengths(mesh, preparation.longest_edge);
   separate_boundary(mesh);
-  align_boundary_layer(mesh);
-  smooth_frames(mesh, preparation.smoothing_sweeps);
-  match_faces(mesh);
-  if (preparation.straighten) straighten_singular_lines(mesh);
-  while (separate_critical_edges(mesh) + separate_boundary(mesh) > 0) {
+  if (preparation.diffusion_rounds > 0) {
+    diffuse_frames(mesh, boundary_alignments(mesh), {preparation.diffusion_rounds});
+  } else {
+    align_boundary_layer(mesh);
   }
   return mesh;
+}
+
+PreparedField matched_field(FieldMesh framed) {
+  PreparedField prepared;
+  prepared.framed = framed;
+  match_faces(framed);
+  straighten_singular_lines(framed);
+  while (separate_critical_edges(framed) + separate_boundary(framed) > 0) {
+  }
+  prepared.field = comb_field(std::move(framed));
+  prepared.elimination = constrain(prepared.field);
+  prepared.map = reduce(prepared.field, prepared.elimination);
+  prepared.defects = field_defects(prepared.field);
+  for (Defect& defect : degenerate_tets(prepared.field, prepared.map))
+    prepared.defects.push_back(std::move(defect));
+  return prepared;
 }
 
 double mean_edge_length(const FieldMesh& mesh) {
@@ -37,33 +55,87 @@ double mean_edge_length(const FieldMesh& mesh) {
 }  // namespace
 
 PreparedField prepare(FieldMesh mesh, const Preparation& preparation) {
-  PreparedField prepared;
+  PreparedField prepared = matched_field(framed_mesh(std::move(mesh), preparation));
   prepared.preparation = preparation;
-  prepared.field = comb_field(matched_mesh(std::move(mesh), preparation));
-  prepared.elimination = constrain(prepared.field);
-  prepared.map = reduce(prepared.field, prepared.elimination);
-  prepared.defects = field_defects(prepared.field);
-  for (Defect& defect : degenerate_tets(prepared.field, prepared.map))
-    prepared.defects.push_back(std::move(defect));
   return prepared;
 }
 
-PreparedField best_preparation(const FieldMesh& mesh) {
-  // a mesh bounded by its mean edge length has three to five times the tets, and costs as much more to solve
-  const Preparation candidates[] = {
-      {0, 0, true}, {0, 10, true}, {0, 0, false}, {mean_edge_length(mesh), 20, true}};
-  std::optional<PreparedField> best;
-  std::vector<PreparationScore> judged;
-  for (const Preparation& candidate : candidates) {
-    PreparedField prepared = prepare(mesh, candidate);
-    const double score = defect_score(prepared.defects);
-    judged.push_back({candidate, prepared.field.mesh.tet_count(), score});
-    const double worth = candidate.longest_edge > 0 ? 0.5 : 1;
-    if (!best || score < worth * defect_score(best->defects)) best = std::move(prepared);
-    if (defect_score(best->defects) == 0) break;
+std::vector<Preparation> usual_preparations() {
+  return {{0, 0}, {0, diffusion_rounds}};
+}
+
+Preparation refined_preparation(const FieldMesh& mesh) {
+  return {mean_edge_length(mesh), diffusion_rounds};
+}
+
+namespace {
+
+// The places to start anew at, the gravest defects first; off-axis edges do no harm by themselves.
+std::vector<Eigen::Vector3d> restart_places(std::vector<Defect> defects) {
+  std::stable_sort(defects.begin(), defects.end(),
+                   [](const Defect& a, const Defect& b) { return weight_of(a.kind) > weight_of(b.kind); });
+  std::vector<Eigen::Vector3d> places;
+  for (const Defect& defect : defects) {
+    if (weight_of(defect.kind) > 0) places.push_back(defect.place);
   }
-  best->judged = std::move(judged);
-  return std::move(*best);
+  return places;
+}
+
+// Tries restarts at places of defects until one lowers the score; a ball that failed is not tried again.
+class RestartSearch {
+ public:
+  explicit RestartSearch(PreparedField& prepared)
+      : prepared_(prepared),
+        alignments_(boundary_alignments(prepared.framed)),
+        edge_length_(mean_edge_length(prepared.framed)),
+        tries_left_(restart_budget / std::max(1, prepared.framed.tet_count())) {}
+
+  bool improve() {
+    for (const Eigen::Vector3d& place : restart_places(prepared_.defects)) {
+      if (was_tried(place)) continue;
+      for (const double radius : restart_radii) {
+        for (const double source : restart_sources) {
+          if (tries_left_-- <= 0) return false;
+          if (attempt({place, radius * edge_length_, source})) return true;
+        }
+      }
+      tried_.push_back(place);
+    }
+    return false;
+  }
+
+ private:
+  bool was_tried(const Eigen::Vector3d& place) const {
+    return std::any_of(tried_.begin(), tried_.end(), [&](const Eigen::Vector3d& other) {
+      return (other - place).norm() < restart_radii[0] * edge_length_;
+    });
+  }
+
+  bool attempt(const LocalRestart& restart) {
+    FieldMesh framed = prepared_.framed;
+    if (!restart_frames(framed, alignments_, restart)) return false;
+    PreparedField candidate = matched_field(std::move(framed));
+    if (candidate.score() >= prepared_.score()) return false;
+    candidate.preparation = prepared_.preparation;
+    candidate.restarts = prepared_.restarts + 1;
+    prepared_ = std::move(candidate);
+    return true;
+  }
+
+  PreparedField& prepared_;
+  std::vector<Alignment> alignments_;
+  double edge_length_;
+  int tries_left_;
+  std::vector<Eigen::Vector3d> tried_;
+};
+
+}  // namespace
+
+PreparedField with_local_restarts(PreparedField prepared) {
+  RestartSearch search(prepared);
+  while (prepared.score() > 0 && search.improve()) {
+  }
+  return prepared;
 }
 
 FieldMesh refined_around(const FieldMesh& mesh, const std::vector<int>& tets) {

@@ -2,37 +2,46 @@
 #pragma once
 
 #include "cubecover/defects.hpp"
+#include "cubecover/frame_diffusion.hpp"
 
 namespace neurframe {
 
 // How to prepare.  No setting suits every field, so several are judged by the defects that they leave.
 struct Preparation {
-  double longest_edge = 0;  // edges are halved down to this first; 0 for no limit
-  int smoothing_sweeps = 0;
-  bool straighten = true;
+  double longest_edge = 0;   // edges are halved down to this first; 0 for no limit
+  int diffusion_rounds = 0;  // of the frames; 0 takes them as they are
 };
 
 struct PreparationScore {
   Preparation preparation;
+  int restarts;  // balls whose frames were started anew
   int tets;
   double defect_score;
 };
 
 struct PreparedField {
+  FieldMesh framed;  // split and with its final frames, before the matchings
   CombedField field;
   Elimination elimination;
   ReducedMap map;
   std::vector<Defect> defects;
   Preparation preparation;
-  std::vector<PreparationScore> judged;  // what best_preparation chose from, in the order of trying
+  int restarts = 0;
+
+  double score() const { return defect_score(defects); }
+  PreparationScore judged() const { return {preparation, restarts, field.mesh.tet_count(), score()}; }
 };
 
 PreparedField prepare(FieldMesh mesh, const Preparation& preparation);
 
-// The preparation with the lowest defect score: the mesh as it is, smoothed, without straightened lines, or,
-// where that halves the score, with edges bounded by their mean length.  The first one without defects ends
-// the search.
-PreparedField best_preparation(const FieldMesh& mesh);
+// The preparations to try, in this order: the frames as they are, and diffused.
+std::vector<Preparation> usual_preparations();
+
+// Diffused on edges bounded by their mean length: three to five times the tets, and as much dearer to solve.
+Preparation refined_preparation(const FieldMesh& mesh);
+
+// The field with frames started anew round its defects, ball by ball, wherever that lowers the defect score.
+PreparedField with_local_restarts(PreparedField prepared);
 
 // Halves the edges of the tets that failed, so that the next try has room there.
 FieldMesh refined_around(const FieldMesh& mesh, const std::vector<int>& tets);

@@ -64,16 +64,19 @@ class LatticeSearch {
     for (int step = 0; step < most_active_set_steps; ++step) {
       Eigen::MatrixXd matrix = schur_;
       Eigen::VectorXd gradient = schur_ * (m - relaxed_);
+      std::vector<Eigen::Index> violated_rows;
       bool changed = step == 0;
       for (Eigen::Index r = 0; r < rows_.rows(); ++r) {
         const bool violated = rows_.row(r).dot(m) < 1;
         changed |= violated != static_cast<bool>(active[static_cast<std::size_t>(r)]);
         active[static_cast<std::size_t>(r)] = violated;
         if (!violated) continue;
-        matrix += penalty_ * rows_.row(r).transpose() * rows_.row(r);
         gradient -= penalty_ * (1 - rows_.row(r).dot(m)) * rows_.row(r).transpose();
+        violated_rows.push_back(r);
       }
       if (!changed) break;
+      const Eigen::MatrixXd springs = rows_(violated_rows, Eigen::all);
+      matrix += penalty_ * springs.transpose() * springs;
       m(open) -= Eigen::MatrixXd(matrix(open, open)).ldlt().solve(Eigen::VectorXd(gradient(open)));
     }
     return m;
@@ -106,34 +109,51 @@ class LatticeSearch {
     return relax(fixed, m);
   }
 
+  struct Move {
+    Eigen::Index first = -1;
+    Eigen::Index second = -1;  // -1 for none
+    double by_first = 0;
+    double by_second = 0;
+  };
+
+  // What the move adds to the cost, from the gradient of the deformation and what the rows lack already.
+  double change_of_cost(const Move& move, const Eigen::VectorXd& gradient, const Eigen::VectorXd& lacking,
+                        double penalised) const {
+    double change = 2 * move.by_first * gradient(move.first) + schur_(move.first, move.first);
+    Eigen::ArrayXd next = lacking.array() - move.by_first * rows_.col(move.first).array();
+    if (move.second >= 0) {
+      change += 2 * move.by_second * gradient(move.second) + schur_(move.second, move.second) +
+                2 * move.by_first * move.by_second * schur_(move.first, move.second);
+      next -= move.by_second * rows_.col(move.second).array();
+    }
+    return change + penalty_ * (next.max(0.0).square().sum() - penalised);
+  }
+
   // The best move of one integer, or two together, by one; returns whether there was one that lowers the
   // cost.
   bool improve_by_moves() {
-    const double before = cost(integers_);
-    double best_cost = before * (1 - 1e-9) - 1e-12;
-    Eigen::VectorXd best;
-    const auto consider = [&](const Eigen::VectorXd& candidate) {
-      const double candidate_cost = cost(candidate);
-      if (candidate_cost >= best_cost) return;
-      best_cost = candidate_cost;
-      best = candidate;
+    const Eigen::VectorXd gradient = schur_ * (integers_ - relaxed_);
+    const Eigen::VectorXd lacking = 1 - (rows_ * integers_).array();
+    const double penalised = lacking.array().max(0.0).square().sum();
+    double best_change = -1e-9 * cost(integers_) - 1e-12;
+    Move best;
+    const auto consider = [&](const Move& move) {
+      const double change = change_of_cost(move, gradient, lacking, penalised);
+      if (change >= best_change) return;
+      best_change = change;
+      best = move;
     };
     for (Eigen::Index i = 0; i < integers_.size(); ++i) {
       for (const double by_i : {1.0, -1.0}) {
-        Eigen::VectorXd single = integers_;
-        single(i) += by_i;
-        consider(single);
+        consider({i, -1, by_i, 0});
         for (Eigen::Index j = 0; j < i; ++j) {
-          for (const double by_j : {1.0, -1.0}) {
-            Eigen::VectorXd pair = single;
-            pair(j) += by_j;
-            consider(pair);
-          }
+          for (const double by_j : {1.0, -1.0}) consider({i, j, by_i, by_j});
         }
       }
     }
-    if (best.size() == 0) return false;
-    integers_ = best;
+    if (best.first < 0) return false;
+    integers_(best.first) += best.by_first;
+    if (best.second >= 0) integers_(best.second) += best.by_second;
     return true;
   }
 

@@ -76,8 +76,8 @@ Json describe_preparations(const std::vector<PreparationScore>& judged) {
   for (const PreparationScore& score : judged) {
     Json entry;
     entry["longest_edge"] = score.preparation.longest_edge;
-    entry["smoothing_sweeps"] = score.preparation.smoothing_sweeps;
-    entry["straightened"] = score.preparation.straighten;
+    entry["diffusion_rounds"] = score.preparation.diffusion_rounds;
+    entry["restarts"] = score.restarts;
     entry["tets"] = score.tets;
     entry["defect_score"] = score.defect_score;
     entries.push_back(std::move(entry));

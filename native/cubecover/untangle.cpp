@@ -14,7 +14,7 @@ namespace {
 constexpr double first_epsilon = 0.2;  // 1 let whole maps shrink to a point where nothing fixes their size
 constexpr double least_epsilon = 1e-9;
 constexpr int most_iterations = 50;  // sound maps took at most 10
-constexpr int patience = 10;         // iterations without a tenth fewer folded tets
+constexpr int patience = 6;          // iterations without a tenth fewer folded tets
 constexpr double settled = 1e-3;     // relative decrease of the energy at which an unfolded map is done
 constexpr double direction_tolerance = 1e-3;
 constexpr int block_size = 8192;  // tets whose derivatives are held at once, 10 MB

@@ -13,7 +13,7 @@ struct UntangleResult {
 };
 
 // Minimises the barrier energy over the columns [0, active); the others keep their values.  Stops when no tet
-// is folded and the energy has settled, or when ten iterations brought less than a tenth fewer folded tets:
+// is folded and the energy has settled, or when six iterations brought less than a tenth fewer folded tets:
 // what does not unfold then has a defect in the field, which no optimiser removes.
 UntangleResult untangle(const TetTargets& targets, const ReducedMap& map, const Eigen::VectorXd& columns,
                         int active, int threads);

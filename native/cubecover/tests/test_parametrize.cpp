@@ -83,17 +83,30 @@ void test_every_seam_is_exact() {
   CHECK(!verification.valid());
 }
 
-// A field that winds once too often round an edge is refused, though every tet keeps its orientation: the
-// frames turn by a full turn round the axis of a cylinder, which leaves a cone of angle zero there.
-void test_polar_field_is_refused() {
+// The frames turn by a full turn round the axis of a cylinder, which leaves a cone of angle zero there.
+FieldMesh polar_cylinder() {
   FieldMesh mesh = cylinder(8, 2, 0.6);
   for (int t = 0; t < mesh.tet_count(); ++t) {
     const Eigen::Vector3d center = tet_center(mesh, t);
     at(mesh.frames, t) =
         Eigen::AngleAxisd(std::atan2(center.y(), center.x()), Eigen::Vector3d::UnitZ()).toRotationMatrix();
   }
-  const Parametrization result = map_of(mesh, 0.25);
+  return mesh;
+}
+
+// A field that winds once too often round an edge is refused, though every tet keeps its orientation.
+void test_polar_field_is_refused() {
+  const Parametrization result =
+      solve_prepared(prepare(polar_cylinder(), {0, 0}), {0.25, 0, 1}, [](double, const std::string&) {});
   CHECK(!result.verification.valid());
+}
+
+// Diffusion breaks the axis into four singular lines.
+void test_polar_field_is_repaired() {
+  const Parametrization result = map_of(polar_cylinder(), 0.25);
+  CHECK(result.verification.valid());
+  CHECK(result.preparation.diffusion_rounds > 0);
+  CHECK(result.field.singular.arcs.size() == 4);
 }
 
 }  // namespace
@@ -107,5 +120,6 @@ int main() {
   neurframe::test_cylinder();
   neurframe::test_every_seam_is_exact();
   neurframe::test_polar_field_is_refused();
+  neurframe::test_polar_field_is_repaired();
   return neurframe::test_result();
 }
