@@ -54,7 +54,7 @@ def row(source: Path, workspace: Path, field: str, training: list[str] | None, t
     for file in TETS:
         shutil.copyfile(source / file, workspace / file)
     quad = ["quad", "--target-faces", str(target), "--no-pictures"]
-    stages = [quad + ["--field", "surface"]]
+    stages = [[*quad, "--field", "surface"]]
     if training is not None:
         stages = [["train", *training], ["discretize", "--no-pictures"], quad]
     for stage in stages:
