@@ -1,4 +1,4 @@
-"""Print the project's requirements and those of the extras named, `dev` by default, one a line, for `pip install -r`."""
+"""Print the project's requirements and those of the extras named (`dev` by default), for `pip install -r`."""
 
 import sys
 import tomllib
@@ -6,4 +6,8 @@ from pathlib import Path
 
 project = tomllib.loads((Path(__file__).parent.parent / "pyproject.toml").read_text())["project"]
 extras = project["optional-dependencies"]
-print("\n".join([*project["dependencies"], *(line for name in sys.argv[1:] or ["dev"] for line in extras[name])]))
+print(
+    "\n".join(
+        [*project["dependencies"], *(line for name in sys.argv[1:] or ["dev"] for line in extras[name])]
+    )
+)

@@ -119,15 +119,14 @@ def test_outcomes_outlive_the_scheduler_and_the_rest_is_done_by_the_next(tmp_pat
 def test_without_a_scheduler_the_batch_ends_and_can_be_resumed(tmp_path: Path) -> None:
     jobs = [script_job(tmp_path, f"j{i}", "import time; time.sleep(1)") for i in range(3)]
     came: list[Outcome] = []
-    with scheduler(tmp_path) as (program, address), worker(address):
-        with pytest.raises(StageError, match="without an outcome") as raised:
-            run_batch(
-                jobs,
-                PoolOptions(address),
-                came.append,
-                lambda: program.kill() if came else None,
-                patience_s=0,
-            )
+    with (
+        scheduler(tmp_path) as (program, address),
+        worker(address),
+        pytest.raises(StageError, match="without an outcome") as raised,
+    ):
+        run_batch(
+            jobs, PoolOptions(address), came.append, lambda: program.kill() if came else None, patience_s=0
+        )
     assert "--resume" in (raised.value.hint or "")
     rest = [job for job in jobs if str(job.model) not in {outcome.model for outcome in came}]
     assert rest

@@ -33,7 +33,7 @@ def run_batch(
     """Runs all jobs; `record` gets each outcome as it comes, `tick` is called twice a second.
 
     When the scheduler is lost, the jobs without an outcome are given to the one that answers at the same address
-    within `patience_s` seconds; theirs workspaces let them go on where they were.  Raises StageError where none does.
+    within `patience_s` seconds; their workspaces let them go on where they were.  Raises StageError where none does.
     """
     pending = list(jobs)
     deadline: float | None = None
