@@ -39,6 +39,19 @@ void test_rigid_motion_and_names_of_axes() {
   CHECK(named_anew.field.singular.edges.empty());
 }
 
+// At a corner of 45 degrees a tet is aligned with one of two features, and its frame says nothing of the
+// other.
+void test_features_do_not_need_their_frames() {
+  CombedField field = prepare(box({2, 2, 2}), {0, 0}).field;
+  for (int h = 0; h < field.mesh.half_face_count(); ++h) {
+    if (at(field.mesh.twin, h) >= 0) continue;
+    Eigen::Matrix3d& frame = at(field.mesh.frames, h / 4);
+    frame = Eigen::AngleAxisd(0.9, area_vector(field.mesh, h).normalized()) * frame;
+  }
+  Elimination elimination = constrain(field);
+  CHECK(degenerate_tets(field, reduce(field, elimination)).empty());
+}
+
 void test_concave_edge() {
   const Parametrization result = map_of(l_shape(4, 2), 0.5);
   check_valid_with_volume(result, (8 * 8 - 4 * 4) * 4);
@@ -115,6 +128,7 @@ void test_polar_field_is_repaired() {
 int main() {
   neurframe::test_box();
   neurframe::test_rigid_motion_and_names_of_axes();
+  neurframe::test_features_do_not_need_their_frames();
   neurframe::test_concave_edge();
   neurframe::test_thin_leg_survives();
   neurframe::test_cylinder();
