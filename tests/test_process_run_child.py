@@ -96,7 +96,7 @@ def test_time_limit() -> None:
 
 
 def test_silence_limit() -> None:
-    with pytest.raises(TimedOut, match="said nothing for 1.5 seconds"):
+    with pytest.raises(TimedOut, match=r"said nothing for 1\.5 seconds"):
         run("import time; print('begun', flush=True); time.sleep(60)", silence_s=1.5)
 
 

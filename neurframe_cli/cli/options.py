@@ -265,6 +265,7 @@ run_options = options(
     feature_angle_option,
     train_options,
     discretize_options,
+    quad_options,
     seed_option,
     click.option("--report/--no-report", default=True, show_default=True, help="Write report.html."),
 )

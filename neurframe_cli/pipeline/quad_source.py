@@ -12,7 +12,9 @@ import numpy as np
 from neurframe_cli.errors import InvalidMesh, UnreadableFile
 from neurframe_cli.field.surface_cross_field import surface_cross_field
 from neurframe_cli.mesh.arrays import Floats, Surface
+from neurframe_cli.mesh.check_tets import check_indices
 from neurframe_cli.mesh.features import features_by_angle
+from neurframe_cli.mesh.open_file import check_file, foreign_reader
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.mesh.read_tets import read_medit
 from neurframe_cli.mesh.split_edges import with_short_edges
@@ -102,11 +104,16 @@ def read_carrier(
 
 
 def read_crosses(path: Path) -> CrossCarrier:
-    """From cross.npz; raises UnreadableFile."""
-    try:
-        with np.load(path, allow_pickle=False) as stored:
-            return CrossCarrier(Surface(stored["V"], stored["F"]), stored["crosses"])
-    except (OSError, ValueError, KeyError) as error:
+    """From cross.npz; raises UnreadableFile or InvalidMesh."""
+    check_file(path)
+    # numpy leaves a file open that it opened itself and cannot read
+    with foreign_reader(path, "numpy"), path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+        V, F, crosses = (stored[name] for name in ("V", "F", "crosses"))
+        V, F, crosses = V.astype(np.float64), F.astype(np.int64), crosses.astype(np.float64)
+    if V.shape[1:] != (3,) or F.shape[1:] != (3,) or crosses.shape != (len(F), 2, 3):
         raise UnreadableFile(
-            f"{path}: no crosses in it: {error}", hint="neurframe discretize --force"
-        ) from error
+            f"{path}: {V.shape} positions, {F.shape} triangles, {crosses.shape} crosses do not fit together",
+            hint="neurframe discretize --force makes the file again",
+        )
+    check_indices(V, F, path, "triangle")
+    return CrossCarrier(Surface(V, F), crosses)

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 # of the time that is left, an attempt that has another one behind it gets this part
 TIME_SHARE = 0.6
 COARSEST = 0.25  # coarser than this a tet mesh says nothing about its shape
-# fTetWild's simplification of the input can run for ever, silently; a twentieth of the time without a word, or this many
-# seconds, and the surface is decimated before it is given to fTetWild again
+# fTetWild's simplification of the input can run for ever, silently; after a twentieth of the time without a word, and
+# after so many seconds at least, the surface is decimated before it is given to fTetWild again
 SILENT_SHARE, LEAST_SILENCE_S = 0.05, 20.0
 DECIMATION_TOLERANCE = 0.5  # of epsilon
 SPARE_MIB = 512  # what is left to the rest of the machine when memory_mib is None
