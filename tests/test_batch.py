@@ -286,15 +286,16 @@ def test_killed_batch_leaves_no_process_and_is_resumed(models: Path) -> None:
     victim = subprocess.Popen([sys.executable, "-m", "neurframe_cli", *command], stderr=subprocess.DEVNULL)
     results, manifest = Path("out/results.jsonl"), Path("out/cube.neurframe/manifest.json")
     deadline = time.monotonic() + 300
+    children: list[psutil.Process] = []
     while time.monotonic() < deadline and not (
-        results.exists() and results.read_text() and manifest.exists()
+        children and results.exists() and results.read_text() and manifest.exists()
     ):
         time.sleep(0.05)
-    children = psutil.Process(victim.pid).children(recursive=True)
+        children = psutil.Process(victim.pid).children(recursive=True)
     assert children
     os.kill(victim.pid, signal.SIGKILL)
     victim.wait()
-    assert psutil.wait_procs(children, timeout=30)[1] == []
+    assert psutil.wait_procs(children, timeout=120)[1] == []
     assert len(read_results([results])) == 1
     assert run_command_line([*command, "--resume", "-q"]) == 4
     assert sorted(o.outcome for o in read_results([results]).values()) == ["unusable", "valid"]
