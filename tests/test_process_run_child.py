@@ -92,7 +92,7 @@ def test_time_limit() -> None:
     started = time.monotonic()
     with pytest.raises(TimedOut, match=r"stopped after 0.3 seconds"):
         run("import time; time.sleep(60)", timeout_s=0.3)
-    assert time.monotonic() - started < 5
+    assert time.monotonic() - started < 30  # not the sixty of the child
 
 
 def test_silence_limit() -> None:

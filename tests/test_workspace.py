@@ -225,7 +225,7 @@ SLOW_WRITER = """
 def test_killed_stage_leaves_whole_files_and_runs_again(tmp_path: Path, delay: float) -> None:
     command = [sys.executable, "-c", textwrap.dedent(SLOW_WRITER), str(tmp_path)]
     victim = subprocess.Popen(command)
-    deadline = time.monotonic() + 30
+    deadline = time.monotonic() + 120
     while not list(tmp_path.glob(TEMPORARY_PREFIX + "*")) and time.monotonic() < deadline:
         time.sleep(0.01)
     time.sleep(delay)
