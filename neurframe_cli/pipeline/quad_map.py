@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Floats
+from neurframe_cli.mesh.merge_doublets import merge_doublets
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.mesh.write_mesh import write_surface
 from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
@@ -74,7 +75,10 @@ def _attempt(kind: MeshKind, context: StageContext, problem: MapProblem, count: 
     extraction, cells = extract(
         kind, context, problem.limits, parametrization, part(context.progress, 0.5, 0.7)
     )
-    return MappedQuads(cells, parametrization, extraction)
+    V, quads, doublets = merge_doublets(cells.V, cells.cells)
+    if doublets:
+        context.warn(f"{doublets} pairs of quads that share two edges were merged")
+    return MappedQuads(CellMesh("quad", V, quads), parametrization, extraction)
 
 
 def _parametrize(

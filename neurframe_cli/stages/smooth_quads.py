@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, silent
+from neurframe_cli.mesh.features import features_from_edges
 from neurframe_cli.mesh.optimize.cell_kind import QUADS
 from neurframe_cli.mesh.optimize.lasting_features import lasting_features
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions, smooth_cells
 from neurframe_cli.mesh.quality.polygons import unique_edges
+from neurframe_cli.mesh.quality.scaled_jacobian import quad_scaled_jacobians
 
+RELEASE = 3.0  # edges of the quads round a folded one
 SHORTEST_LINE = 4.0  # edges of the quads; neurframe-miq leaves shorter feature lines out, too
 
 
@@ -25,10 +30,34 @@ def smooth_quads(
 
     Vertices stay on the surface, those on feature curves and open boundaries on these, those at corners in place; no
     quad becomes worse than the worst one was, and none that faced outward turns over.  Feature lines shorter than
-    SHORTEST_LINE do not count.
+    SHORTEST_LINE do not count.  Where quads stay folded, the feature edges around them are released: a mesh that cuts
+    a corner is of more use than one that is folded there.
     """
+    followed = lasting_features(surface.V, features, SHORTEST_LINE * _median_edge(V, Q))
+    smoothed = smooth_cells(V, Q, QUADS, Q, surface, followed, options, progress)
+    if smoothed.report.after.inverted == 0:
+        return smoothed
+    released = _released(smoothed.V, Q, surface, followed)
+    again = smooth_cells(smoothed.V, Q, QUADS, Q, surface, released, options, progress)
+    if again.report.after.inverted >= smoothed.report.after.inverted:
+        return smoothed
+    return SmoothedMesh(again.V, replace(again.report, before=smoothed.report.before))
+
+
+def _released(V: Floats, Q: Ints, surface: Surface, features: Features) -> Features:
+    """`features` without the edges that come within RELEASE quad edges of a folded quad."""
+    from scipy.spatial import cKDTree
+
+    folded = V[Q[quad_scaled_jacobians(V, Q).min(axis=1) <= 0]]
+    if len(folded) == 0 or len(features.edges) == 0:
+        return features
+    middles = surface.V[features.edges].mean(axis=1)
+    away = cKDTree(folded.reshape(-1, 3)).query(middles)[0]
+    kept = features.edges[away > RELEASE * _median_edge(V, Q)]
+    return features_from_edges(surface.V, kept, np.intersect1d(features.corners, kept))
+
+
+def _median_edge(V: Floats, Q: Ints) -> float:
     edges, _ = unique_edges(Q)
     lengths = np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1)
-    shortest = SHORTEST_LINE * float(np.median(lengths)) if len(lengths) else 0.0
-    followed = lasting_features(surface.V, features, shortest)
-    return smooth_cells(V, Q, QUADS, Q, surface, followed, options, progress)
+    return float(np.median(lengths)) if len(lengths) else 0.0
