@@ -43,6 +43,18 @@ class Constraints:
             points[track.vertices], directions[track.vertices] = foot.points, foot.directions
         return Foot(points, directions)
 
+    def project_some(self, x: Floats, vertices: Ints) -> Floats:
+        """Positions (n,3) as x, but for `vertices` (k,), which are where `project` puts them."""
+        chosen, points = np.zeros(len(x), bool), x.copy()
+        chosen[vertices] = True
+        pinned = chosen & (self.kind == PINNED)
+        points[pinned] = self.pins[pinned]
+        for track in self.tracks:
+            members = track.vertices[chosen[track.vertices]]
+            if len(members):
+                points[members] = track.tree.closest(x[members]).points
+        return points
+
     def tangential(self, vectors: Floats, directions: Floats) -> Floats:
         """The part of vectors (n,3) that the constraints allow, to first order."""
         along = np.einsum("nd,nd->n", vectors, directions)[:, None] * directions

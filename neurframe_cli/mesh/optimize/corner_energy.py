@@ -38,65 +38,85 @@ class CornerEnergy:
         from scipy.sparse import coo_matrix
 
         self.corners, self.dimension = neighbours.shape
-        rows = np.arange(neighbours.size)
-        inverse = 1.0 / lengths.T.ravel()
-        values = np.concatenate([inverse, -inverse])
-        columns = np.concatenate([neighbours.T.ravel(), np.tile(origin, self.dimension)])
-        # (d m, n): all first edges, then all second ones, ... each over its target length
-        self._edges: Any = coo_matrix(
-            (values, (np.concatenate([rows, rows]), columns)), shape=(len(rows), n)
+        self._origin, self._ends = origin, np.ascontiguousarray(neighbours.T)
+        self._inverse = np.ascontiguousarray(1.0 / lengths.T)
+        edges = np.arange(neighbours.size)
+        rows = np.concatenate([self._ends.ravel(), np.tile(origin, self.dimension)])
+        values = np.concatenate([self._inverse.ravel(), -self._inverse.ravel()])
+        # (n, d m): adds what each edge over its target length, all first ones, then all second ones, does to its ends
+        self._to_ends: Any = coo_matrix(
+            (values, (rows, np.concatenate([edges, edges]))), shape=(n, len(edges))
         ).tocsr()
-        self._transposed: Any = self._edges.T.tocsr()
-        squares = np.asarray(self._edges.multiply(self._edges).sum(axis=0)).reshape(-1, 1)
+        squares = np.asarray(self._to_ends.multiply(self._to_ends).sum(axis=1)).reshape(-1, 1)
         self.scale: Floats = 1.0 / np.maximum(squares, squares.max() * 1e-9)
 
-    def columns(self, x: Floats) -> Floats:
-        """S of every corner as (d, 3, m): column, coordinate, corner."""
-        return np.ascontiguousarray(
-            (self._edges @ x).reshape(self.dimension, self.corners, 3).transpose(0, 2, 1)
-        )
+    def columns(self, x: Floats, corners: Ints | None = None) -> Floats:
+        """S of the `corners` (k,), or of all, as (3, d, k): coordinate, column, corner."""
+        P = np.ascontiguousarray(x.T)
+        if corners is None:
+            origin, ends, inverse = self._origin, self._ends, self._inverse
+        else:
+            origin, ends, inverse = self._origin[corners], self._ends[:, corners], self._inverse[:, corners]
+        S = np.take(P, ends, axis=1)
+        S -= np.take(P, origin, axis=1)[:, None]
+        S *= inverse
+        return S
 
     def determinants(self, x: Floats, normals: Floats | None) -> Floats:
         """D (m,) at every corner; normals (3,m) unit, needed for quads."""
-        return _determinants(self.columns(x), normals)[0]
-
-    def scaled_jacobians(self, x: Floats, normals: Floats | None) -> Floats:
-        """Scaled Jacobian (m,) at every corner: D over the product of the lengths of the columns."""
         S = self.columns(x)
-        lengths = np.sqrt(np.einsum("icm,icm->im", S, S)).prod(axis=0)
-        return np.asarray(_determinants(S, normals)[0] / np.maximum(lengths, SMALLEST_LENGTH))
+        return _dot(S[:, 0], _cofactors(S, normals)[:, 0])
+
+    def scaled_jacobians(self, x: Floats, normals: Floats | None, corners: Ints) -> Floats:
+        """Scaled Jacobian (k,) at `corners` (k,) with normals (3,k): D over the product of the columns' lengths."""
+        S = self.columns(x, corners)
+        lengths = np.sqrt(_dot(S, S)).prod(axis=0)
+        D = _dot(S[:, 0], _cofactors(S, normals)[:, 0])
+        return np.asarray(D / np.maximum(lengths, SMALLEST_LENGTH))
 
     def evaluate(self, x: Floats, normals: Floats | None, weights: EnergyWeights) -> tuple[float, Floats]:
         """Energy and its gradient (n,3) at x (n,3); inf where a corner is inverted and ε = 0, or past float range."""
         S = self.columns(x)
-        D, cofactors = _determinants(S, normals)
+        by_columns = _cofactors(S, normals)
+        D = _dot(S[:, 0], by_columns[:, 0])
         nowhere = np.inf, np.zeros_like(x)
         if weights.epsilon == 0.0 and D.min() <= 0.0:
             return nowhere
         with np.errstate(over="ignore", invalid="ignore"):
-            phi, by_trace, by_determinant = _density(
-                np.einsum("icm,icm->m", S, S), D, self.dimension, weights
-            )
+            phi, by_trace, by_determinant = _density(_dot(S, S).sum(axis=0), D, self.dimension, weights)
             outer = phi ** (weights.power - 1.0) if weights.power != 1.0 else np.ones_like(phi)
-            by_columns = 2.0 * (outer * by_trace) * S + (outer * by_determinant) * cofactors
+            by_columns *= outer * by_determinant
+            S *= 2.0 * (outer * by_trace)
+            by_columns += S
             value = float((outer * phi).sum()) / weights.power
-        if not (np.isfinite(value) and np.isfinite(by_columns).all()):
+            gradient = np.stack([self._to_ends @ by_columns[c].ravel() for c in range(3)], axis=1)
+        if not (np.isfinite(value) and np.isfinite(gradient).all()):
             return nowhere
-        return value, np.asarray(self._transposed @ by_columns.transpose(0, 2, 1).reshape(-1, 3))
+        return value, gradient
 
 
-def _cross(a: Floats, b: Floats) -> Floats:
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+def _dot(a: Floats, b: Floats) -> Floats:
+    """Sum over the first of the three coordinates of a and b (3,...)."""
+    return np.asarray(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 
 
-def _determinants(S: Floats, normals: Floats | None) -> tuple[Floats, Floats]:
-    """D (m,) and its derivatives by the columns (d,3,m)."""
-    if len(S) == 2:
+def _cross(a: Floats, b: Floats, out: Floats) -> None:
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        np.multiply(a[j], b[k], out=out[i])
+        out[i] -= a[k] * b[j]
+
+
+def _cofactors(S: Floats, normals: Floats | None) -> Floats:
+    """Derivatives (3,d,m) of the determinants by the columns."""
+    result = np.empty_like(S)
+    if S.shape[1] == 2:
         assert normals is not None
-        cofactors = np.stack([_cross(S[1], normals), _cross(normals, S[0])])
+        _cross(S[:, 1], normals, result[:, 0])
+        _cross(normals, S[:, 0], result[:, 1])
     else:
-        cofactors = np.stack([_cross(S[1], S[2]), _cross(S[2], S[0]), _cross(S[0], S[1])])
-    return np.einsum("cm,cm->m", S[0], cofactors[0]), cofactors
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            _cross(S[:, j], S[:, k], result[:, i])
+    return result
 
 
 def _density(

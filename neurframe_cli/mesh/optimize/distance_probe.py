@@ -2,37 +2,87 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 
-from neurframe_cli.mesh.arrays import Floats, Ints, Surface
+from neurframe_cli.mesh.arrays import Bools, Floats, Ints, Surface
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
 from neurframe_cli.mesh.quality.distance import sample_surface
 from neurframe_cli.mesh.quality.polygons import triangulated
 
 
+@dataclass(frozen=True)
+class Distances:
+    """Of a mesh with its vertices at x (n,3): `there` (f,) the largest distance of the samples of each face to the
+    surface; `back` (k,) those of the surface's samples to the mesh, and `nearest` (k,) the face closest to each."""
+
+    x: Floats
+    there: Floats
+    back: Floats
+    nearest: Ints
+
+    @cached_property
+    def by_face(self) -> Floats:
+        """Largest distance (f,) of the samples of each face, and of the surface's samples closest to it."""
+        result = self.there.copy()
+        np.maximum.at(result, self.nearest, self.back)
+        return result
+
+
 class DistanceProbe:
-    """The same samples each time: `samples` random points and the vertices of the surface against the triangulated
-    faces (f,4); their corners, edge midpoints and centroids against the surface."""
+    """The same samples each time: `points`, which are `samples` random points and the vertices of the surface, against
+    the triangulated faces (f,4); their corners, edge midpoints and centroids against the surface."""
 
     def __init__(self, faces: Ints, surface: Surface, samples: int, rng: np.random.Generator) -> None:
         self.faces, self.triangles = faces, triangulated(faces)
+        self.points = np.concatenate([surface.V[np.unique(surface.F)], sample_surface(surface, samples, rng)])
         self._tree = SimplexTree(surface.V, surface.F)
-        self._points = np.concatenate(
-            [surface.V[np.unique(surface.F)], sample_surface(surface, samples, rng)]
+
+    def measure(self, x: Floats, known: Distances | None = None) -> Distances:
+        """Distances with the vertices at x (n,3); what has not changed since `known` is not measured again."""
+        if known is None:
+            everything = np.ones(len(self.faces), bool)
+            return Distances(x, self._there(x, everything), *self._back(x, self.points, everything))
+        changed = (x != known.x).any(axis=1)[self.faces].any(axis=1)
+        if not changed.any():
+            return known
+        there = known.there.copy()
+        there[changed] = self._there(x, changed)
+        return Distances(x, there, *self._back_again(x, changed, known))
+
+    def _back_again(self, x: Floats, changed: Bools, known: Distances) -> tuple[Floats, Ints]:
+        """Distances and faces of the surface's samples: their closest face is a changed one or that in `known`, unless
+        that one has changed."""
+        back, nearest = self._back(x, self.points, changed)
+        kept = ~changed[known.nearest] & (known.back <= back)
+        back[kept], nearest[kept] = known.back[kept], known.nearest[kept]
+        lost = changed[known.nearest]
+        if lost.any():
+            back[lost], nearest[lost] = self._back(x, self.points[lost], np.ones(len(self.faces), bool))
+        return back, nearest
+
+    def _there(self, x: Floats, chosen: Bools) -> Floats:
+        """Largest distance of the samples of each of the `chosen` faces (f,)."""
+        T = self.triangles[np.tile(chosen, 2)]
+        vertices, at_vertices = np.unique(T[:, :2], return_inverse=True)
+        sides = np.sort(np.stack([T[:, :2], T[:, 1:]], axis=1), axis=2)
+        _, first, at_sides = np.unique(
+            sides[..., 0] * len(x) + sides[..., 1], return_index=True, return_inverse=True
         )
+        middles = x[sides.reshape(-1, 2)[first]].mean(axis=1)
+        distances = self._tree.distances(np.concatenate([x[vertices], middles, x[T].mean(axis=1)]))
+        by_vertex, by_side, by_triangle = np.split(distances, [len(vertices), len(vertices) + len(middles)])
+        of_triangles = np.concatenate(
+            [by_vertex[at_vertices.reshape(-1, 2)], by_side[at_sides.reshape(-1, 2)], by_triangle[:, None]],
+            axis=1,
+        ).max(axis=1)
+        return np.asarray(of_triangles.reshape(2, -1).max(axis=0))
 
-    def worst_by_face(self, x: Floats) -> Floats:
-        """Largest distance (f,) of the samples of each face, and of the surface's samples closest to it."""
-        count = len(self.faces)
-        P = x[self.triangles]
-        there = np.stack([P[:, 0], P[:, 1], (P[:, 0] + P[:, 1]) / 2, (P[:, 1] + P[:, 2]) / 2, P.mean(axis=1)])
-        distances = self._tree.distances(there.reshape(-1, 3)).reshape(-1, 2, count).max(axis=(0, 1))
-        back, face, _ = self.surface_samples(x)
-        np.maximum.at(distances, face, back)
-        return np.asarray(distances)
-
-    def surface_samples(self, x: Floats) -> tuple[Floats, Ints, Floats]:
-        """Of the surface's samples: distance (k,) to the faces, the closest face (k,), position (k,3)."""
-        foot = SimplexTree(x, self.triangles).closest(self._points)
-        distance = np.linalg.norm(foot.points - self._points, axis=1)
-        return np.asarray(distance), foot.simplices % len(self.faces), self._points
+    def _back(self, x: Floats, points: Floats, chosen: Bools) -> tuple[Floats, Ints]:
+        """Distance (k,) of points (k,3) to the `chosen` faces (f,), and the closest of these (k,)."""
+        members = np.flatnonzero(chosen)
+        tree = SimplexTree(x, self.triangles[np.tile(chosen, 2)])
+        distance, triangle = tree.nearest(points)
+        return distance, members[triangle % len(members)]

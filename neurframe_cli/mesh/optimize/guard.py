@@ -25,22 +25,26 @@ def guarded_step(
     old: Floats,
     new: Floats,
     harmed: Callable[[Floats], Ints],
-    project: Callable[[Floats], Floats],
+    project: Callable[[Floats, Ints], Floats],
 ) -> Floats:
     """Positions between old and new (n,3) that harm nothing.
 
-    harmed(x) names the vertices (k,) whose steps do harm, none at `old`; they take a half, a quarter, then none of
-    their step, until none is named.  Where it helps no more to hold back the named ones, all are held back, so that
-    this ends; the last x that harmed() saw is the one that is returned.
+    harmed(x) names the vertices (k,), each once, whose steps do harm, none at `old`; they take a half, a quarter, then
+    none of their step, until none is named.  Where it helps no more to hold back the named ones, all are held back, so
+    that this ends; the last x that harmed() saw is the one that is returned.  project(x, vertices) puts `vertices`
+    (k,) where they may be and leaves the others.
     """
     x, level = new, np.zeros(len(old), np.int64)
     while len(vertices := harmed(x)):
         last = len(STEP_FRACTIONS) - 1
         if (level[vertices] == last).all():
             vertices = np.arange(len(old))
-        level[vertices] = np.minimum(level[vertices] + 1, last)
-        fraction = STEP_FRACTIONS[level][:, None]
-        x = project(old + fraction * (new - old))
-        # bit for bit, so that what passed before passes again
-        x = np.where(fraction == 1.0, new, np.where(fraction == 0.0, old, x))
+        vertices = vertices[level[vertices] < last]
+        level[vertices] += 1
+        part = STEP_FRACTIONS[level[vertices]][:, None]
+        x = x.copy()
+        x[vertices] = old[vertices] + part * (new[vertices] - old[vertices])
+        x = project(x, vertices[level[vertices] < last])
+        stopped = vertices[level[vertices] == last]
+        x[stopped] = old[stopped]  # bit for bit, so that what passed before passes again
     return x

@@ -14,8 +14,8 @@ from neurframe_cli.mesh.optimize.corner_energy import CornerEnergy, EnergyWeight
 from neurframe_cli.mesh.optimize.guard import guarded_step, least_allowed
 from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise
 
-# normals (cells,3) that say which side of each quad is outside, given positions; hexes need none
-Normals = Callable[[Floats], Floats]
+# normals (k,3) that say which side is outside, given positions (n,3) and quads (k,); hexes need none
+Normals = Callable[[Floats, Ints], Floats]
 Harmed = Callable[[Floats], Ints]
 
 # least determinant, in units of the target, from which the energy is a barrier; below it is regularised
@@ -89,7 +89,7 @@ class Improver:
     def run(self, start: Floats, progress: Progress) -> tuple[State, int]:
         """Best state found from `start` (n,3), never worse than X in its worst cell, and the number of rounds."""
         foot = self.constraints.project(start)
-        walk = _Walk(self.first, foot, self._outside(foot.points))
+        walk = _Walk(self.first, foot, self._outside(foot.points, np.arange(len(self.cells))))
         self._phase(walk, 1.0, PATIENCE, progress)
         self._phase(walk, self.options.power, 1, progress)
         return walk.best, walk.rounds
@@ -118,15 +118,12 @@ class Improver:
         allowed = least_allowed(old.quality) if allowed is None else allowed
         states: list[State] = []
 
-        def project(x: Floats) -> Floats:
-            return self.constraints.project(x).points
-
         def all_harmed(x: Floats) -> Ints:
-            states[:] = [self.state(x)]
+            states[:] = [self.state(x, *states)]
             vertices = np.unique(self.cells[states[0].quality < allowed])
             return harmed(x) if len(vertices) == 0 and harmed is not None else vertices
 
-        guarded_step(old.x, new, all_harmed, project)
+        guarded_step(old.x, new, all_harmed, self.constraints.project_some)
         return states[0]
 
     def _relaxed(self, foot: Foot, outside: Floats | None, power: float) -> tuple[Foot, float]:
@@ -141,27 +138,41 @@ class Improver:
             return value, self.constraints.tangential(gradient, foot.directions)
 
         limits = LbfgsOptions(iterations=self.options.steps)
-        new = minimise(energy, foot.points, self.energy.scale, limits)
-        decrease = energy(foot.points)[0] - energy(new)[0]
+        new, decrease = minimise(energy, foot.points, self.energy.scale, limits)
         return self.constraints.project(new), decrease / self.energy.corners
 
-    def state(self, x: Floats) -> State:
-        """The mesh with its vertices at x (n,3)."""
-        outside = self._outside(x)
-        return State(x, outside, self._quality(x, outside))
+    def state(self, x: Floats, known: State | None = None) -> State:
+        """The mesh with its vertices at x (n,3); cells that are where they were in `known` are not measured again."""
+        if known is None:
+            everything = np.arange(len(self.cells))
+            outside = self._outside(x, everything)
+            return State(x, outside, self._quality(x, outside, everything))
+        moved = np.flatnonzero((x != known.x).any(axis=1)[self.cells].any(axis=1))
+        outside = self._outside(x, moved)
+        quality = _replaced(known.quality, moved, self._quality(x, outside, moved))
+        if outside is not None and known.outside is not None:
+            outside = _replaced(known.outside, moved, outside)
+        return State(x, outside, quality)
 
-    def _outside(self, x: Floats) -> Floats | None:
-        return None if self.normals is None else self.normals(x)
+    def _outside(self, x: Floats, cells: Ints) -> Floats | None:
+        return None if self.normals is None else self.normals(x, cells)
 
-    def _quality(self, x: Floats, outside: Floats | None) -> Floats:
-        """Worst scaled Jacobian of each cell (c,); that of a quad that faces inward counts as negative."""
+    def _quality(self, x: Floats, outside: Floats | None, cells: Ints) -> Floats:
+        """Worst scaled Jacobian of `cells` (k,); that of a quad that faces inward counts as negative."""
+        count = self.energy.corners // len(self.cells)
+        corners = (cells[:, None] * count + np.arange(count)).ravel()
         if outside is None:
-            return np.asarray(self.energy.scaled_jacobians(x, None).reshape(len(self.cells), -1).min(axis=1))
-        own = quad_normals(x, self.cells)
-        corners = self.energy.scaled_jacobians(x, _at_corners(own))
-        worst = corners.reshape(len(self.cells), -1).min(axis=1)
+            return np.asarray(self.energy.scaled_jacobians(x, None, corners).reshape(-1, count).min(axis=1))
+        own = quad_normals(x, self.cells[cells])
+        worst = self.energy.scaled_jacobians(x, _at_corners(own), corners).reshape(-1, count).min(axis=1)
         outward = np.einsum("cd,cd->c", own, outside) > 0.0
         return np.asarray(np.where(outward, worst, -np.abs(worst)), np.float64)
+
+
+def _replaced(values: Floats, index: Ints, new: Floats) -> Floats:
+    result = values.copy()
+    result[index] = new
+    return result
 
 
 def _corner_normals(x: Floats, quads: Ints, outside: Floats) -> Floats:

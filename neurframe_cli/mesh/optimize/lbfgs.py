@@ -25,13 +25,14 @@ class LbfgsOptions:
     tolerance: float = 1e-7
 
 
-def minimise(energy: Energy, x: Floats, scale: Floats, options: LbfgsOptions) -> Floats:
-    """Minimiser of `energy` near x (n,3), reached by feasible, decreasing steps.
+def minimise(energy: Energy, x: Floats, scale: Floats, options: LbfgsOptions) -> tuple[Floats, float]:
+    """Minimiser of `energy` near x (n,3), reached by feasible, decreasing steps, and the decrease of the energy.
 
     scale (n,1) is the inverse of a diagonal guess of the Hessian.  If every gradient lies in a linear subspace (of
     tangents) and scale does not leave it, all steps do; and the result follows rotations of x.
     """
     value, gradient = energy(x)
+    first = value
     pairs: deque[tuple[Floats, Floats, float]] = deque(maxlen=options.memory)
     for _ in range(options.iterations):
         direction = -_inverse_hessian_product(gradient, pairs, scale)
@@ -49,7 +50,7 @@ def minimise(energy: Energy, x: Floats, scale: Floats, options: LbfgsOptions) ->
         x, value, gradient = new_x, new_value, new_gradient
         if decrease <= options.tolerance * abs(value):
             break
-    return x
+    return x, first - value
 
 
 def _inverse_hessian_product(

@@ -38,7 +38,7 @@ def pair_patches(
     whole = SimplexTree(surface.V, surface.F)
     mesh_part = components_cut_by(faces, path_edges([m.path for m in matched.curves]))
     input_part = components_cut_by(surface.F, path_edges([curves.curves[m.curve] for m in matched.curves]))
-    closest = whole.closest(X[faces].mean(axis=1)).simplices
+    closest = whole.nearest(X[faces].mean(axis=1))[1]
     winners = _vote(mesh_part, input_part[closest])
     parts = np.unique(winners[winners >= 0])
     trees = [whole, *(SimplexTree(surface.V, surface.F[input_part == p]) for p in parts)]
@@ -58,10 +58,10 @@ def _fall_back_to_whole(X: Floats, faces: Ints, trees: list[SimplexTree], of_ver
     distance = np.zeros(len(X))
     used = np.flatnonzero(of_vertex >= 0)
     to_whole = np.zeros(len(X))
-    to_whole[used] = np.linalg.norm(trees[0].closest(X[used]).points - X[used], axis=1)
+    to_whole[used] = trees[0].distances(X[used])
     for t in np.unique(of_vertex[used]).tolist():
         here = np.flatnonzero(of_vertex == t)
-        distance[here] = np.linalg.norm(trees[t].closest(X[here]).points - X[here], axis=1)
+        distance[here] = trees[t].distances(X[here])
     astray = distance > to_whole + FARTHER * mean
     of_vertex[astray], distance[astray] = 0, to_whole[astray]
     return np.asarray(distance / np.maximum(mean, 1e-300))

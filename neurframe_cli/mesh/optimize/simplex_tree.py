@@ -46,8 +46,12 @@ class SimplexTree:
 
     def distances(self, P: Floats) -> Floats:
         """Exact distances (k,) of P (k,3)."""
-        squared = self._tree.squared_distance(self.V, self.S, np.ascontiguousarray(P))[0]
-        return np.asarray(np.sqrt(np.maximum(squared.reshape(-1), 0.0)))
+        return self.nearest(P)[0]
+
+    def nearest(self, P: Floats) -> tuple[Floats, Ints]:
+        """Exact distances (k,) of P (k,3) and the closest simplices (k,)."""
+        squared, simplices, _ = self._tree.squared_distance(self.V, self.S, np.ascontiguousarray(P))
+        return np.asarray(np.sqrt(np.maximum(squared.reshape(-1), 0.0))), simplices.reshape(-1)
 
     def closest(self, P: Floats) -> FootPoints:
         """Exact closest points of P (k,3)."""

@@ -10,7 +10,7 @@ from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface
 from neurframe_cli.mesh.optimize.cell_kind import CellKind
 from neurframe_cli.mesh.optimize.classify import Classification, classify
-from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe
+from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe, Distances
 from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver, Normals, State
 from neurframe_cli.mesh.optimize.patches import Patches
 from neurframe_cli.mesh.optimize.reach import reach_far_places
@@ -88,23 +88,25 @@ def smooth_cells(
     improved, rounds = improver.run(classified.start, progress)
     probe = DistanceProbe(faces, surface, options.samples, np.random.default_rng(options.seed))
     diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
-    distances = probe.worst_by_face(X)
-    limit = np.maximum(distances, options.hausdorff_limit * diagonal)
+    distances = probe.measure(X)
+    limit = np.maximum(distances.by_face, options.hausdorff_limit * diagonal)
+    last = [distances]
 
     def too_far(x: Floats) -> Ints:
-        return np.unique(faces[probe.worst_by_face(x) > limit])
+        last[:] = [probe.measure(x)]
+        return np.unique(faces[last[0].by_face > limit])
 
     final = improver.guarded(improver.first, improved.x, too_far)
     if not final.better_than(improver.first):
-        final = improver.first  # what is left of the way leads nowhere
+        final, last = improver.first, [distances]  # what is left of the way leads nowhere
     held_back = int((final.x != improved.x).any(axis=1).sum())
     if normals is not None:
         passed_by = max(options.reach_limit * diagonal, PASSED_BY * _median_edge(final.x, faces))
-        final = reach_far_places(improver, final, probe, passed_by)
+        final, last[0] = reach_far_places(improver, final, probe, last[0], passed_by)
     progress(1.0, f"worst {final.quality.min():.3f}, mean {final.quality.mean():.3f}")
     report = SmoothReport(
         before=_numbers(improver.first, distances, diagonal),
-        after=_numbers(final, probe.worst_by_face(final.x), diagonal),
+        after=_numbers(final, last[0], diagonal),
         classification=classified.found,
         rounds=rounds,
         held_back=held_back,
@@ -119,23 +121,23 @@ def _median_edge(X: Floats, faces: Ints) -> float:
 
 def _outward(quads: Ints, patches: Patches) -> Normals:
     """Normals of the input under the centres of the quads, each on its own patch."""
-    groups = [(tree, np.flatnonzero(patches.of_face == t)) for t, tree in enumerate(patches.trees)]
 
-    def normals(x: Floats) -> Floats:
-        result = np.zeros((len(quads), 3))
-        for tree, members in groups:
-            if len(members):
-                result[members] = tree.closest(x[quads[members]].mean(axis=1)).directions
+    def normals(x: Floats, chosen: Ints) -> Floats:
+        centres, patch = x[quads[chosen]].mean(axis=1), patches.of_face[chosen]
+        result: Floats = np.zeros_like(centres)
+        for t in np.unique(patch).tolist():
+            members = patch == t
+            result[members] = patches.trees[t].closest(centres[members]).directions
         return result
 
     return normals
 
 
-def _numbers(state: State, distances: Floats, diagonal: float) -> MeshNumbers:
+def _numbers(state: State, distances: Distances, diagonal: float) -> MeshNumbers:
     return MeshNumbers(
         min_scaled_jacobian=float(state.quality.min()),
         p1_scaled_jacobian=float(np.percentile(state.quality, 1)),
         mean_scaled_jacobian=float(state.quality.mean()),
         inverted=state.inverted,
-        hausdorff=float(distances.max()) / diagonal,
+        hausdorff=float(distances.by_face.max()) / diagonal,
     )
