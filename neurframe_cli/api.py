@@ -26,7 +26,7 @@ from neurframe_cli.pipeline.native import Limits
 from neurframe_cli.pipeline.quad_source import QuadOptions
 from neurframe_cli.pipeline.quad_step import QUAD, quad_step
 from neurframe_cli.pipeline.runner import Step, run_stage
-from neurframe_cli.pipeline.sizing import element_size
+from neurframe_cli.pipeline.sizing import DEFAULT_SCALES, element_size
 from neurframe_cli.pipeline.tetize_step import tetize_step
 from neurframe_cli.pipeline.train_step import FIELD, train_step
 from neurframe_cli.pipeline.workspace import Workspace
@@ -55,7 +55,6 @@ __all__ = [
 ]
 
 Kind = Literal["quad", "hex"]
-_SCALES: dict[Kind, float] = {"quad": 100.0, "hex": 30.0}  # paper, sections 5.1.1 and 5.1.2
 
 
 @dataclass(frozen=True)
@@ -172,7 +171,7 @@ def quad(
 
     Raises UsageError, StageError, TimedOut, and NotValid where there is no mesh at all.
     """
-    size, most = element_size(scale, edge_length, count, _SCALES["quad"]), limits or Limits()
+    size, most = element_size(scale, edge_length, count, DEFAULT_SCALES["quad"]), limits or Limits()
     request = MeshRequest(size, feature_angle_deg, most, pictures=False, quads=options or QuadOptions())
     return _from_arrays("quad", tets, frames, request, progress)
 
@@ -189,7 +188,7 @@ def hex(
     progress: Progress = silent,
 ) -> Mesh:
     """Hexes along the frames; sizes as in quad(), scale 30 by default.  Raises as quad()."""
-    size = element_size(scale, edge_length, count, _SCALES["hex"])
+    size = element_size(scale, edge_length, count, DEFAULT_SCALES["hex"])
     request = MeshRequest(size, feature_angle_deg, limits or Limits(), pictures=False)
     return _from_arrays("hex", tets, frames, request, progress)
 
@@ -220,7 +219,7 @@ def run(
     if len(kinds) > 1 and (scale is not None or edge_length is not None):
         raise UsageError("scale and edge_length are for one mesh, two would be made")
     tetizing, training = tetize_options or TetizeOptions(), train_options or TrainOptions()
-    sizes = {kind: element_size(scale, edge_length, None, _SCALES[kind]) for kind in kinds}
+    sizes = {kind: element_size(scale, edge_length, None, DEFAULT_SCALES[kind]) for kind in kinds}
     model = mesh_from_arrays(V, F)
     with artifacts.kept_or_temporary(workspace) as where:
         steps = _Steps(where, 3 + len(kinds), progress)

@@ -24,7 +24,7 @@ def python(code: str) -> list[str]:
 
 
 def run(code: str, **options: object) -> ChildResult:
-    return run_child(python(code), name="the child", **options)  # type: ignore[arg-type]
+    return run_child(python(code), name="the child", **options)  # type: ignore[arg-type]  # any option
 
 
 def test_stdout_code_and_use_are_reported() -> None:

@@ -216,7 +216,7 @@ def test_a_missing_part_is_noticed() -> None:
 )
 def test_options_out_of_range(wrong: dict[str, float]) -> None:
     with pytest.raises(UsageError):
-        TetizeOptions(**wrong)  # type: ignore[arg-type]
+        TetizeOptions(**wrong)  # type: ignore[arg-type]  # values of any type, to be refused
 
 
 def test_load_and_tetize_reject_the_same_broken_file(tmp_path: Path) -> None:

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from neurframe_cli.cli.console import Console
     from neurframe_cli.pipeline.mesh_step import MeshKind, MeshRequest
 
-DEFAULT_SCALES = {"quad": 100.0, "hex": 30.0}  # paper, sections 5.1.1 and 5.1.2
-
 # options of `neurframe train` that TrainOptions knows by the same name
 _TRAIN_OPTIONS = (
     "preset",
@@ -93,7 +91,7 @@ def mesh_request(kinds: Sequence[Kind], values: Mapping[str, Any], threads: int)
     from neurframe_cli.pipeline.mesh_step import MeshRequest
     from neurframe_cli.pipeline.native import Limits
     from neurframe_cli.pipeline.quad_source import QuadOptions
-    from neurframe_cli.pipeline.sizing import element_size
+    from neurframe_cli.pipeline.sizing import DEFAULT_SCALES, element_size
 
     quads = QuadOptions(**{name: values[name] for name in _QUAD_OPTIONS if name in values})
     limits = Limits(values["timeout"], values["memory"], threads)

@@ -25,11 +25,11 @@ def read_off(path: Path) -> Surface:
 def read_off_polygons(path: Path) -> tuple[Floats, list[list[int]]]:
     """V (n,3) and the faces of an OFF file as they stand there; raises UnreadableFile, UnsupportedFormat."""
     content = read_bytes(path).removeprefix(b"\xef\xbb\xbf")
-    head = HEAD.match(COMMENT.sub(b"", content[:4096]))
+    text = COMMENT.sub(b"", content)
+    head = HEAD.match(text)
     if head is None or head["binary"]:
         raise UnsupportedFormat(f"{path}: OFF in binary or in other than three dimensions is not read")
-    text = COMMENT.sub(b"", content)
-    lines = [line for line in text[HEAD.match(text).end() :].split(b"\n") if line.strip()]  # type: ignore[union-attr]
+    lines = [line for line in text[head.end() :].split(b"\n") if line.strip()]
     counts = _numbers(path, lines[0] if lines else b"")
     vertex_count, face_count = _counts(path, counts, len(lines))
     V = _vertices(path, lines[1 : 1 + vertex_count])

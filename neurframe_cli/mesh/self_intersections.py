@@ -29,7 +29,7 @@ def _near_pairs(V: Floats, F: Ints) -> Ints:
         ((i, box, None) for i, box in enumerate(boxes.tolist())),
         properties=index.Property(dimension=3),
     )
-    hits, counts = tree.intersection_v(low, high)  # type: ignore[no-untyped-call]
+    hits, counts = tree.intersection_v(low, high)  # type: ignore[no-untyped-call]  # rtree is half typed
     one = np.repeat(np.arange(len(F)), counts.astype(np.int64))
     pairs = np.column_stack([one, hits.astype(np.int64)])
     pairs = pairs[pairs[:, 0] < pairs[:, 1]]

@@ -9,6 +9,8 @@ import numpy as np
 from neurframe_cli.errors import UsageError
 from neurframe_cli.mesh.arrays import Surface
 
+DEFAULT_SCALES = {"quad": 100.0, "hex": 30.0}  # paper, sections 5.1.1 and 5.1.2
+
 
 @dataclass(frozen=True)
 class ElementSize:
