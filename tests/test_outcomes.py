@@ -16,6 +16,7 @@ import psutil
 import pytest
 
 from neurframe_cli import errors
+from neurframe_cli.cli.main import COMMANDS, run_command_line
 from neurframe_cli.pipeline.lock import exclusive
 
 ROOT = Path(__file__).parent.parent
@@ -166,3 +167,37 @@ def test_the_page_lists_every_outcome() -> None:
     # bases that are never raised themselves, and what stands for Ctrl-C where no signal reaches
     assert concrete - {"NeurframeError", "InputError", "Cancelled"} <= set(TABLE)
     assert all(getattr(errors, name).exit_code == TABLE[name] for name in concrete & set(TABLE))
+
+
+MISTAKES = {
+    "a command that is not there": ["tetrahedralize"],
+    "an option that is not there": ["quad", "--sacle", "30"],
+    "an option without its value": ["hex", "--scale"],
+    "a word for a number": ["train", "--sigma", "ten"],
+    "a number out of range": ["--threads", "0", "train"],
+    "a value that is no choice": ["run", "part.stl", "--quality", "best"],
+    "no input": ["tetize"],
+    "an input too many": ["tetize", "a.stl", "b.stl"],
+    "an option that must be given": ["check", "mesh.vtk"],
+    "a file name with a line end and a terminal control": ["tetize", "part\n\x1b[2J.stl"],
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_wrong_usage_is_one_line_and_what_to_try(mistake: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command_line(MISTAKES[mistake]) == TABLE["UsageError"]
+    error, *hints = capsys.readouterr().err.splitlines()
+    assert error.startswith("neurframe: error: ")
+    assert error.isprintable()
+    assert len(hints) <= 1
+    assert all(hint.startswith("  try: ") for hint in hints)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_says_what_is_wrong_with_an_option(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_command_line([name, "--no-such-option"]) == TABLE["UsageError"]
+    error, hint = capsys.readouterr().err.splitlines()
+    assert error.startswith("neurframe: error: No such option '--no-such-option'")
+    assert f"neurframe {name} --help" in hint

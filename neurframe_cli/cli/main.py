@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import io
 import os
 import signal
 import sys
@@ -15,7 +16,7 @@ from click.shell_completion import shell_complete
 
 from neurframe_cli import __version__
 from neurframe_cli.cli.settings import GLOBAL_OPTIONS, Settings
-from neurframe_cli.errors import NeurframeError
+from neurframe_cli.errors import NeurframeError, UsageError
 
 INTERRUPTED = 130
 PROGRAM = "neurframe"
@@ -76,6 +77,10 @@ def group(ctx: click.Context, /, **values: Any) -> None:
 def run_command_line(arguments: Sequence[str]) -> int:
     """Run `neurframe ARGUMENTS`; returns the exit code, after one line on stderr where it is not 0."""
     signal.signal(signal.SIGTERM, _interrupt)
+    # a name that the locale has no characters for is no reason to fail
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     instruction = os.environ.get(COMPLETE_VARIABLE)
     if instruction is not None:
         return shell_complete(group, {}, PROGRAM, COMPLETE_VARIABLE, instruction)
@@ -86,9 +91,12 @@ def run_command_line(arguments: Sequence[str]) -> int:
         return returned if isinstance(returned, int) else 0
     except click.exceptions.Exit as ended:
         return ended.exit_code
+    except click.exceptions.NoArgsIsHelpError as error:
+        error.show()  # `neurframe` alone is a question, and the help its answer
+        return UsageError.exit_code
     except click.ClickException as error:
-        error.show()
-        return error.exit_code
+        _say(f"error: {error.format_message()}", _help_for(error))
+        return UsageError.exit_code
     except NeurframeError as error:
         _say(f"error: {error}", error.hint)
         return error.exit_code
@@ -107,10 +115,21 @@ def _interrupt(signum: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
+def _help_for(error: click.ClickException) -> str | None:
+    """What explains the command that was called wrongly."""
+    context = error.ctx if isinstance(error, click.UsageError) else None
+    return f"`{context.command_path} --help` lists what it takes" if context is not None else None
+
+
 def _say(line: str, hint: str | None = None) -> None:
-    click.echo(f"neurframe: {line}", err=True)
+    click.echo(_printable(f"neurframe: {line}"), err=True)
     if hint:
-        click.echo(f"  try: {hint}", err=True)
+        click.echo(_printable(f"  try: {hint}"), err=True)
+
+
+def _printable(text: str) -> str:
+    """One line, whatever a file name in it holds: line ends and terminal controls are shown, not carried out."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in " ".join(text.split("\n")))
 
 
 def _internal_error(error: Exception) -> int:
