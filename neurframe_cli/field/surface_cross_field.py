@@ -129,31 +129,41 @@ def _constraints(F: Ints, features: Ints, angles: Floats) -> tuple[Ints, Any]:
 def _start(laplacian: Any, area: Floats, fixed: Ints, values: Any) -> Any:
     """Harmonic extension of the constraints, or without any the eigenvector of the smallest eigenvalue."""
     if len(fixed):
-        tiny = 1e-9 / area.sum()
-        return _diffuse(laplacian, area, 1.0 / tiny, np.zeros(len(area), dtype=complex), fixed, values)
+        nearly_forever = 1e9 * area.sum()
+        return _diffuse(laplacian, area, nearly_forever, np.zeros(len(area), dtype=complex), fixed, values)
+    mass = area / (1e6 * area.sum())
+    solve = _solver(laplacian, mass)
     z = np.ones(len(area), dtype=complex)
     for _ in range(20):
-        z = _diffuse(laplacian, area, 1e6 * area.sum(), z, fixed, values, unit=False)
+        z = solve(mass * z)
         z /= np.sqrt(np.sum(area * np.abs(z) ** 2))
     return _unit(z)
 
 
-def _diffuse(
-    laplacian: Any, area: Floats, time: float, z: Any, fixed: Ints, values: Any, unit: bool = True
-) -> Any:
+def _diffuse(laplacian: Any, area: Floats, time: float, z: Any, fixed: Ints, values: Any) -> Any:
     """One implicit diffusion step of length `time`, with the constrained faces held, and then unit length."""
-    from scipy.sparse import diags
-    from scipy.sparse.linalg import splu
-
     free = np.setdiff1d(np.arange(len(area)), fixed)
     out = np.zeros(len(area), dtype=complex)
     out[fixed] = values
     if len(free):
-        mass = diags(area / time)
-        right = (mass @ z - laplacian @ out)[free]
-        system = (laplacian + mass).tocsc()[free][:, free]
-        out[free] = splu(system.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0).solve(right)
-    return _unit(out) if unit else out
+        mass = area / time
+        right = (mass * z - laplacian @ out)[free]
+        out[free] = _solver(laplacian[free][:, free], mass[free])(right)
+    return _unit(out)
+
+
+def _solver(laplacian: Any, mass: Floats) -> Any:
+    """The function that solves (laplacian + diag(mass)) x = right.
+
+    SuperLU has no Cholesky factorisation; without SymmetricMode its partial pivoting takes 400 times as long on this
+    positive definite matrix (8,426 triangles: 21 s instead of 0.05 s).
+    """
+    from scipy.sparse import diags
+    from scipy.sparse.linalg import splu
+
+    system = (laplacian + diags(mass)).tocsc()
+    options = {"SymmetricMode": True}
+    return splu(system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).solve
 
 
 def _unit(z: Any) -> Any:
