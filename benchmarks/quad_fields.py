@@ -1,26 +1,33 @@
 """Quads from three cross fields of the same tets: the `fast` and the `paper` preset, and the surface alone.
 
-    python benchmarks/quad_fields.py --target-faces 6000 --iterations 10000 WORKSPACE...
+    python benchmarks/quad_fields.py --target-faces 6000 --iterations 10000 --output FIELDS.jsonl WORKSPACE...
 
 Each WORKSPACE (made by `neurframe tetize`) is copied; nothing in it is changed.  --iterations are those of the paper
-preset, whose own number is 10,000.  The crosses lie on the same triangles for all three.  Columns: CPU seconds of
-training, irregular vertices, inverted quads, worst and mean scaled Jacobian, Hausdorff distance in percent of the
-bounding-box diagonal, share of the sharp edges that edges follow.
+preset, whose own number is 10,000.  The crosses lie on the same triangles for all three.  A line is added to --output
+as soon as a mesh is there, and what has a line is not made again; then the table of all lines is printed.  Columns:
+tets, CPU seconds of training, irregular vertices, inverted quads, worst and mean scaled Jacobian, Hausdorff distance
+in percent of the bounding-box diagonal, share of the sharp edges that edges follow.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
+from neurframe_cli.mesh.read_tets import read_medit
 from neurframe_cli.pipeline.manifest import read_manifest
 
-HEADER = """| model | field | train CPU s | quads | irregular | inverted | SJ worst | SJ mean | Hausdorff % | recall |
-|---|---|---|---|---|---|---|---|---|---|"""
+COLUMNS = (
+    "model | tets | field | train CPU s | quads | irregular | inverted | SJ worst | SJ mean | Hausdorff %",
+    "recall",
+)
+HEADER = f"| {' | '.join(COLUMNS)} |\n{'|---' * 11}|"
 TETS = ("surface.ply", "tets.mesh", "features.json")
 
 
@@ -31,26 +38,38 @@ def main() -> None:
     parser.add_argument("workspaces", nargs="+", type=Path)
     parser.add_argument("--target-faces", type=int, default=6000)
     parser.add_argument("--iterations", type=int, default=10_000)
+    parser.add_argument("--output", type=Path, default=Path("quad_fields.jsonl"))
     arguments = parser.parse_args()
-    print(HEADER, flush=True)
+    known = {(row["model"], row["field"]) for row in rows(arguments.output)}
     for source in arguments.workspaces:
-        for name, training in fields(arguments.iterations).items():
+        name = source.name.removesuffix(".neurframe")
+        for field, training in fields(arguments.iterations).items():
+            if (name, field) in known:
+                continue
             with tempfile.TemporaryDirectory() as folder:
-                print(row(source, Path(folder), name, training, arguments.target_faces), flush=True)
+                made = meshed(source, Path(folder), training, arguments.target_faces)
+            with arguments.output.open("a", encoding="utf-8") as out:
+                out.write(json.dumps({"model": name, "field": field} | made) + "\n")
+    print("\n".join([HEADER, *(shown(row) for row in rows(arguments.output))]))
+
+
+def rows(lines: Path) -> list[dict[str, Any]]:
+    if not lines.exists():
+        return []
+    return [json.loads(line) for line in lines.read_text(encoding="utf-8").splitlines()]
 
 
 def fields(iterations: int) -> dict[str, list[str] | None]:
     """The options of `neurframe train` by name of the field; None for the one that needs no training."""
     return {
         "fast": ["--preset", "fast"],
-        f"paper, {iterations} iterations": ["--preset", "paper", "--iterations", str(iterations)],
         "surface": None,
+        f"paper, {iterations} iterations": ["--preset", "paper", "--iterations", str(iterations)],
     }
 
 
-def row(source: Path, workspace: Path, field: str, training: list[str] | None, target: int) -> str:
-    """The table row of one field, or what went wrong with it."""
-    name = source.name.removesuffix(".neurframe")
+def meshed(source: Path, workspace: Path, training: list[str] | None, target: int) -> dict[str, Any]:
+    """The numbers of the quads of one field, or what went wrong with it."""
     for file in TETS:
         shutil.copyfile(source / file, workspace / file)
     quad = ["quad", "--target-faces", str(target), "--no-pictures"]
@@ -58,22 +77,37 @@ def row(source: Path, workspace: Path, field: str, training: list[str] | None, t
     if training is not None:
         stages = [["train", *training], ["discretize", "--no-pictures"], quad]
     for stage in stages:
-        command = [sys.executable, "-m", "neurframe_cli", *stage, "-w", workspace, "-q", "--threads", "1"]
+        command = [
+            sys.executable,
+            "-m",
+            "neurframe_cli",
+            *stage,
+            "-w",
+            str(workspace),
+            "-q",
+            "--threads",
+            "1",
+        ]
         ended = subprocess.run(command, stderr=subprocess.PIPE, text=True, check=False)
         if ended.returncode not in (0, 4):
-            return f"| {name} | {field} | {stage[0]}: {ended.stderr.strip()} |"
-    return shown(name, field, workspace)
-
-
-def shown(name: str, field: str, workspace: Path) -> str:
+            return {"failed": f"{stage[0]}: {ended.stderr.strip()}"}
     done = read_manifest(workspace).stages
     if "mesh" not in done["quad"].report:
-        return f"| {name} | {field} | no quads: {done['quad'].error} |"
-    mesh = done["quad"].report["mesh"]
-    seconds = f"{done['train'].cpu_seconds:.0f}" if "train" in done else "-"
-    recall = mesh["feature_recall"]
+        return {"failed": f"no quads: {done['quad'].error}"}
+    return {
+        "tets": len(read_medit(workspace / "tets.mesh")[0].T),
+        "train_cpu_s": done["train"].cpu_seconds if "train" in done else None,
+        "mesh": done["quad"].report["mesh"],
+    }
+
+
+def shown(row: dict[str, Any]) -> str:
+    if "failed" in row:
+        return f"| {row['model']} | | {row['field']} | {row['failed']} |"
+    mesh, recall, seconds = row["mesh"], row["mesh"]["feature_recall"], row["train_cpu_s"]
     return (
-        f"| {name} | {field} | {seconds} | {mesh['cells']} | {mesh['irregular_vertices']} | {mesh['inverted']} "
+        f"| {row['model']} | {row['tets']:,} | {row['field']} | {'-' if seconds is None else f'{seconds:.0f}'} "
+        f"| {mesh['cells']} | {mesh['irregular_vertices']} | {mesh['inverted']} "
         f"| {mesh['min_scaled_jacobian']:.3f} | {mesh['mean_scaled_jacobian']:.3f} | {100 * mesh['hausdorff']:.2f} "
         f"| {'-' if recall is None else f'{recall:.3f}'} |"
     )
