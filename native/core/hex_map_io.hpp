@@ -21,8 +21,7 @@ struct HexMap {
 };
 
 // Raises InputError with the line of whatever is not understood.
-inline HexMap read_hex_map(const std::string& path) {
-  TextReader reader(path);
+inline HexMap parse_hex_map(TextReader& reader) {
   HexMap map;
   map.mesh.V.resize(reader.count("the number of vertices", 6));
   for (Point3& p : map.mesh.V) p = {reader.number("x"), reader.number("y"), reader.number("z")};
@@ -36,6 +35,11 @@ inline HexMap read_hex_map(const std::string& path) {
   }
   if (tets == 0) reader.fail("no tet in the file");
   return map;
+}
+
+inline HexMap read_hex_map(const std::string& path) {
+  TextReader reader(path);
+  return parse_hex_map(reader);
 }
 
 inline void write_hex_map(const std::string& path, const HexMap& map) {

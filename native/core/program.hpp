@@ -42,6 +42,12 @@ inline bool answered_question(const CommandLine& command, const std::vector<std:
   return false;
 }
 
+// The message without control characters, which words of a file and file names may bring along.
+inline std::string in_one_line(std::string message) {
+  for (char& c : message) c = static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+  return message;
+}
+
 inline int worker_threads(const Arguments& arguments) {
   return arguments.integer("--threads", 1, 1, 1024);
 }
@@ -51,7 +57,7 @@ inline int worker_threads(const Arguments& arguments) {
 inline int run_program(const CommandLine& bare, int argc, char** argv, const ProgramBody& body) {
   const CommandLine command = with_common_options(bare);
   const auto fail = [&](ExitCode code, const std::string& message) {
-    std::fprintf(stderr, "%s: error: %s\n", command.program.c_str(), message.c_str());
+    std::fprintf(stderr, "%s: error: %s\n", command.program.c_str(), in_one_line(message).c_str());
     return static_cast<int>(code);
   };
   try {

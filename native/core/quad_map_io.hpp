@@ -64,8 +64,8 @@ inline std::array<int, 2> parse_corner(TextReader& reader, std::size_t vertices,
   const bool slash = result.ec == std::errc{} && result.ptr != stop && *result.ptr == '/';
   if (slash) result = std::from_chars(result.ptr + 1, stop, vt);
   if (!slash || result.ec != std::errc{} || (result.ptr != stop && *result.ptr != '/')) {
-    reader.fail("expected a corner v/vt (an integer-grid map has a vt at every corner), found '" +
-                std::string(word.substr(0, 40)) + "'");
+    reader.fail("expected a corner v/vt (an integer-grid map has a vt at every corner), found " +
+                TextReader::quoted(word));
   }
   return {obj_index(reader, v, vertices, "vertex"), obj_index(reader, vt, parameters, "texture coordinate")};
 }
@@ -100,8 +100,7 @@ inline void parse_comment(TextReader& reader, QuadMap& map) {
 }  // namespace detail
 
 // Raises InputError with the line of whatever is not understood, and for faces that are not triangles.
-inline QuadMap read_quad_map(const std::string& path) {
-  TextReader reader(path);
+inline QuadMap parse_quad_map(TextReader& reader) {
   QuadMap map;
   std::vector<Vector2<double>> parameters;
   while (!reader.at_end()) {
@@ -119,6 +118,11 @@ inline QuadMap read_quad_map(const std::string& path) {
   }
   if (map.mesh.F.empty()) reader.fail("no triangle in the file");
   return map;
+}
+
+inline QuadMap read_quad_map(const std::string& path) {
+  TextReader reader(path);
+  return parse_quad_map(reader);
 }
 
 // Writes map.obj with one vt per corner.

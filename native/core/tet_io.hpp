@@ -31,7 +31,7 @@ inline int medit_section_width(const TextReader& reader, std::string_view key) {
     // an item of Corners, Ridges, Required... is one index; of the others, `width` indices and a reference
     if (key == section.name) return section.width == 0 ? 1 : section.width + 1;
   }
-  reader.fail("unknown section '" + std::string(key.substr(0, 40)) + "' of a MEDIT mesh");
+  reader.fail("unknown section " + TextReader::quoted(key) + " of a MEDIT mesh");
 }
 
 inline void read_medit_vertices(TextReader& reader, std::vector<Point3>& V) {
@@ -53,8 +53,7 @@ inline void read_medit_tets(TextReader& reader, std::vector<Tet>& T) {
 }  // namespace detail
 
 // Reads the vertices and tets of an ASCII .mesh file; other sections are skipped.  Raises InputError.
-inline TetMesh read_tet_mesh(const std::string& path) {
-  TextReader reader(path, '#');
+inline TetMesh parse_tet_mesh(TextReader& reader) {
   TetMesh mesh;
   reader.expect("MeshVersionFormatted");
   reader.integer("the format version", 1, 4);
@@ -78,6 +77,11 @@ inline TetMesh read_tet_mesh(const std::string& path) {
   return mesh;
 }
 
+inline TetMesh read_tet_mesh(const std::string& path) {
+  TextReader reader(path, '#');
+  return parse_tet_mesh(reader);
+}
+
 inline void write_tet_mesh(const std::string& path, const TetMesh& mesh) {
   TextWriter out(path);
   out << "MeshVersionFormatted 2\nDimension 3\nVertices\n" << mesh.V.size() << '\n';
@@ -92,8 +96,7 @@ inline void write_tet_mesh(const std::string& path, const TetMesh& mesh) {
 
 // FRA 1: `FRA 1`, then `TETS VECTORS FLAG`, then one line `x y z` for each vector, the vectors of tet 0
 // first. VECTORS must be 3.  Raises InputError.
-inline std::vector<Frame> read_frames(const std::string& path) {
-  TextReader reader(path);
+inline std::vector<Frame> parse_frames(TextReader& reader) {
   reader.expect("FRA");
   reader.integer("the format version", 1, 1);
   std::vector<Frame> frames(reader.count("the number of tets", 18));
@@ -103,6 +106,11 @@ inline std::vector<Frame> read_frames(const std::string& path) {
     for (Point3& axis : frame) axis = {reader.number("x"), reader.number("y"), reader.number("z")};
   }
   return frames;
+}
+
+inline std::vector<Frame> read_frames(const std::string& path) {
+  TextReader reader(path);
+  return parse_frames(reader);
 }
 
 inline void write_frames(const std::string& path, const std::vector<Frame>& frames) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -34,6 +35,9 @@ class TextReader {
     at_ = text_.data();
     end_ = at_ + text_.size();
   }
+  // at_ and end_ point into text_
+  TextReader(const TextReader&) = delete;
+  TextReader& operator=(const TextReader&) = delete;
 
   bool at_end() {
     skip_space();
@@ -51,7 +55,7 @@ class TextReader {
 
   void expect(std::string_view wanted) {
     const std::string_view found = word(std::string(wanted).c_str());
-    if (found != wanted) fail("expected '" + std::string(wanted) + "', found '" + shortened(found) + "'");
+    if (found != wanted) fail("expected '" + std::string(wanted) + "', found " + quoted(found));
   }
 
   // An integer in [lowest, highest].
@@ -61,7 +65,7 @@ class TextReader {
     const auto [stop, error] = std::from_chars(found.data(), found.data() + found.size(), value);
     if (error != std::errc{} || stop != found.data() + found.size() || value < lowest || value > highest) {
       fail(std::string("expected ") + what + " (an integer from " + std::to_string(lowest) + " to " +
-           std::to_string(highest) + "), found '" + shortened(found) + "'");
+           std::to_string(highest) + "), found " + quoted(found));
     }
     return value;
   }
@@ -81,16 +85,16 @@ class TextReader {
   // A finite number: a decimal, or a rational a/b.
   double number(const char* what) {
     const std::string_view found = word(what);
-    const char* stop = found.data() + found.size();
-    double value = 0.0;
-    auto result = std::from_chars(found.data() + (found[0] == '+' ? 1 : 0), stop, value);
-    if (result.ec == std::errc{} && result.ptr != stop && *result.ptr == '/') {
-      double denominator = 0.0;
-      result = std::from_chars(result.ptr + 1, stop, denominator);
-      value /= denominator;
+    const char* const stop = found.data() + found.size();
+    auto [value, rest] = decimal(found.data() + (found[0] == '+' ? 1 : 0), stop);
+    if (rest != stop && *rest == '/') {
+      const Decimal denominator = decimal(rest + 1, stop);
+      value = std::isfinite(denominator.value) ? value / denominator.value : NAN;  // 1/inf is no zero
+      rest = denominator.rest;
     }
-    if (result.ec == std::errc::result_out_of_range && result.ptr == stop) return underflow(found, what);
-    if (result.ec != std::errc{} || result.ptr != stop || !std::isfinite(value)) fail_number(found, what);
+    if (rest != stop || !std::isfinite(value)) {
+      fail(std::string("expected ") + what + " (a finite number), found " + quoted(found));
+    }
     return value;
   }
 
@@ -112,11 +116,13 @@ class TextReader {
 
   [[noreturn]] void fail(const std::string& message) const { throw InputError(place() + ": " + message); }
 
+  // A word of the file for a complaint, cut off when it is long.
+  static std::string quoted(std::string_view word) {
+    return word.size() <= 40 ? "'" + std::string(word) + "'" : "'" + std::string(word.substr(0, 37)) + "...'";
+  }
+
  private:
   static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
-  static std::string shortened(std::string_view word) {
-    return word.size() <= 40 ? std::string(word) : std::string(word.substr(0, 37)) + "...";
-  }
 
   void skip_space() {
     while (at_ != end_ && (is_space(*at_) || (comment_ != 0 && *at_ == comment_))) {
@@ -128,16 +134,19 @@ class TextReader {
     }
   }
 
-  // from_chars reports denormals below the smallest double as out of range: they are zero; 1e999 is not.
-  double underflow(std::string_view found, const char* what) const {
-    if (found.find("e-") == std::string_view::npos && found.find("E-") == std::string_view::npos) {
-      fail_number(found, what);
+  struct Decimal {
+    double value;      // nan where there is no number, infinite beyond the largest double
+    const char* rest;  // what follows it
+  };
+  static Decimal decimal(const char* begin, const char* stop) {
+    double value = NAN;
+    const auto [rest, error] = std::from_chars(begin, stop, value);
+    if (error == std::errc::result_out_of_range) {
+      // from_chars does not tell 1e-999, which is zero, from 1e999; strtod does (in the locale "C" of a
+      // program)
+      value = std::strtod(std::string(begin, rest).c_str(), nullptr);
     }
-    return 0.0;
-  }
-
-  [[noreturn]] void fail_number(std::string_view found, const char* what) const {
-    fail(std::string("expected ") + what + " (a finite number), found '" + shortened(found) + "'");
+    return {value, rest};
   }
 
   std::string name_;

@@ -21,6 +21,8 @@ struct TriangleMesh {
   std::vector<Triangle> F;
 };
 
+inline constexpr std::size_t most_triangles = std::size_t{1} << 29;  // half-edge numbers must fit an int
+
 inline constexpr int next_corner(int c) {
   return c % 3 == 2 ? c - 2 : c + 1;
 }
@@ -34,6 +36,8 @@ inline int corner_vertex(const std::vector<Triangle>& F, int corner) {
 
 // Raises InputError for an index outside [0, vertices) or a triangle that repeats a vertex.
 inline void check_triangles(const std::vector<Triangle>& F, std::size_t vertices) {
+  if (F.size() > most_triangles)
+    throw InputError("more than " + std::to_string(most_triangles) + " triangles");
   for (std::size_t f = 0; f < F.size(); ++f) {
     for (const int v : F[f]) {
       if (v < 0 || static_cast<std::size_t>(v) >= vertices) {

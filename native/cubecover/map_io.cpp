@@ -42,10 +42,13 @@ FieldMesh to_field_mesh(const TetMesh& tets, const std::vector<Frame>& frames,
 }
 
 std::vector<EdgeKey> read_features(const std::string& path, int vertices) {
-  std::string text = read_file(path);
+  return parse_features(path, read_file(path), vertices);
+}
+
+std::vector<EdgeKey> parse_features(const std::string& name, std::string text, int vertices) {
   const bool json = text.find_first_not_of(" \t\r\n") != std::string::npos &&
                     text[text.find_first_not_of(" \t\r\n")] == '{';
-  TextReader reader(path, json ? json_pairs(path, text) : std::move(text), '#');
+  TextReader reader(name, json ? json_pairs(name, text) : std::move(text), '#');
   std::vector<EdgeKey> edges;
   while (!reader.at_end()) {
     const auto first = static_cast<int>(reader.integer("a vertex of a feature edge", 0, vertices - 1));

@@ -17,7 +17,7 @@ Triangle read_triangle(TextReader& reader, std::size_t vertices) {
     int index = 0;
     const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), index);
     if (error != std::errc{} || (stop != word.data() + word.size() && *stop != '/')) {
-      reader.fail("expected a corner, found '" + std::string(word.substr(0, 40)) + "'");
+      reader.fail("expected a corner, found " + TextReader::quoted(word));
     }
     const long resolved = index > 0 ? index - 1L : static_cast<long>(vertices) + index;
     if (index == 0 || resolved < 0 || resolved >= static_cast<long>(vertices)) {
@@ -33,8 +33,7 @@ Triangle read_triangle(TextReader& reader, std::size_t vertices) {
 
 }  // namespace
 
-TriangleMesh read_surface_obj(const std::string& path) {
-  TextReader reader(path);
+TriangleMesh parse_surface_obj(TextReader& reader) {
   TriangleMesh mesh;
   while (!reader.at_end()) {
     const std::string_view key = reader.word("a keyword");
@@ -47,9 +46,12 @@ TriangleMesh read_surface_obj(const std::string& path) {
   return mesh;
 }
 
-std::vector<std::array<double, 6>> read_crosses(const std::string& path, const TriangleMesh& mesh) {
-  TextReader reader(path, '#');
-  const bool rosy = path.size() > 5 && path.compare(path.size() - 5, 5, ".rosy") == 0;
+TriangleMesh read_surface_obj(const std::string& path) {
+  TextReader reader(path);
+  return parse_surface_obj(reader);
+}
+
+std::vector<std::array<double, 6>> parse_crosses(TextReader& reader, bool rosy, const TriangleMesh& mesh) {
   if (rosy) {
     const auto count = static_cast<int64_t>(mesh.F.size());
     reader.integer("the number of triangles of the surface", count, count);
@@ -65,8 +67,12 @@ std::vector<std::array<double, 6>> read_crosses(const std::string& path, const T
   return crosses;
 }
 
-std::vector<std::pair<int, int>> read_vertex_pairs(const std::string& path, std::size_t vertices) {
+std::vector<std::array<double, 6>> read_crosses(const std::string& path, const TriangleMesh& mesh) {
   TextReader reader(path, '#');
+  return parse_crosses(reader, path.ends_with(".rosy"), mesh);
+}
+
+std::vector<std::pair<int, int>> parse_vertex_pairs(TextReader& reader, std::size_t vertices) {
   std::vector<std::pair<int, int>> pairs;
   const auto last = static_cast<int64_t>(vertices) - 1;
   while (!reader.at_end()) {
@@ -76,8 +82,12 @@ std::vector<std::pair<int, int>> read_vertex_pairs(const std::string& path, std:
   return pairs;
 }
 
-std::vector<double> read_sizing(const std::string& path, std::size_t vertices) {
+std::vector<std::pair<int, int>> read_vertex_pairs(const std::string& path, std::size_t vertices) {
   TextReader reader(path, '#');
+  return parse_vertex_pairs(reader, vertices);
+}
+
+std::vector<double> parse_sizing(TextReader& reader, std::size_t vertices) {
   std::vector<double> sizing;
   while (!reader.at_end()) {
     sizing.push_back(reader.number("a factor"));
@@ -88,6 +98,11 @@ std::vector<double> read_sizing(const std::string& path, std::size_t vertices) {
                 std::to_string(sizing.size()));
   }
   return sizing;
+}
+
+std::vector<double> read_sizing(const std::string& path, std::size_t vertices) {
+  TextReader reader(path, '#');
+  return parse_sizing(reader, vertices);
 }
 
 void write_integers(const std::string& path, const std::vector<int>& values) {

@@ -17,7 +17,9 @@ namespace neurframe {
 template <int N>
 class InteriorPoints {
  public:
+  // Raises StageError for a map of more columns or points than can be numbered.
   InteriorPoints(const GridMap<N>& map, int threads) : map_(&map), boxes_(map.P.size()) {
+    refuse_too_many_columns();
     const auto simplices = static_cast<std::int64_t>(map.P.size());
     columns_ =
         parallel_collect<Column>(simplices, threads, [&](std::int64_t begin, std::int64_t end, auto& out) {
@@ -81,6 +83,16 @@ class InteriorPoints {
     std::int64_t lowest;  // interior index
     std::int64_t first;   // its number
   };
+
+  // Four GiB of columns.  Parameters of one wrong number span millions of cells: without this check they end
+  // in the memory of the machine.
+  void refuse_too_many_columns() const {
+    constexpr double most_columns = 1 << 28;
+    const double columns = column_count(*map_, 0);
+    if (columns <= most_columns) return;
+    throw StageError("the parameters span " + std::to_string(columns) + " columns of cells, allowed are " +
+                     std::to_string(most_columns) + "; a coarser grid has fewer");
+  }
 
   void add_simplex(int t, std::vector<Column>& out) {
     const LatticeBox<N> box = lattice_box(*map_, t, 0);

@@ -51,6 +51,20 @@ LatticeBox<N> lattice_box(const GridMap<N>& map, int t, Fixed shift) {
   return box;
 }
 
+// The number of columns over the boxes of all simplices that are not flat; a double, because it may be huge.
+template <int N>
+double column_count(const GridMap<N>& map, Fixed shift) {
+  double columns = 0.0;
+  for (std::size_t t = 0; t < map.P.size(); ++t) {
+    const LatticeBox<N> box = lattice_box(map, static_cast<int>(t), shift);
+    if (box.empty() || map.orientation[t] == 0) continue;
+    double base = 1.0;
+    for (std::size_t k = 0; k + 1 < N; ++k) base *= static_cast<double>(box.high[k] - box.low[k] + 1);
+    columns += base;
+  }
+  return columns;
+}
+
 struct Interval {
   std::int64_t begin;
   std::int64_t end;  // exclusive

@@ -54,6 +54,11 @@ static void test_bad_hex_maps() {
   CHECK_THROWS(read_hex_map(file_with("1\n0 0 0\n0\n")), InputError, "no tet");
   CHECK_THROWS(read_hex_map(file_with("1\n0 0 0\n1\n0 0 0 7 0 0 0 0 0 0 0 0 0 0 0 0")), InputError,
                ":4: expected a vertex index");
+  // an infinite or vanishing denominator, and an overflow whose exponent is negative
+  for (const char* number : {"1/inf", "1/1e-400", "1/nan", "1/", "/1", "+", "inf/inf"}) {
+    CHECK_THROWS(read_hex_map(file_with(std::string("1\n0 0 ") + number + "\n")), InputError, "finite");
+  }
+  CHECK_THROWS(read_hex_map(file_with("1\n0 0 1" + std::string(400, '0') + "e-5\n")), InputError, "finite");
   const HexMap tiny = read_hex_map(file_with("1\n0 0 1e-400\n1\n0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0"));
   CHECK(tiny.mesh.V[0][2] == 0.0);
 }

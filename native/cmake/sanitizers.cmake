@@ -1,0 +1,15 @@
+# NEURFRAME_SANITIZE and NEURFRAME_FUZZ: instrumentation of everything that is built.  The first report ends the
+# program, so that no test passes with one.
+set(sanitizers ${NEURFRAME_SANITIZE})
+if(NEURFRAME_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    message(FATAL_ERROR "NEURFRAME_FUZZ needs clang: -DCMAKE_CXX_COMPILER=clang++ (${CMAKE_CXX_COMPILER_ID} has no libFuzzer)")
+  endif()
+  set(sanitizers address undefined fuzzer-no-link)
+endif()
+if(sanitizers)
+  list(JOIN sanitizers "," sanitizers)
+  target_compile_options(
+    neurframe_options INTERFACE -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer -g1)
+  target_link_options(neurframe_options INTERFACE -fsanitize=${sanitizers})
+endif()
