@@ -10,6 +10,7 @@
     ├── StageError            3  the stage ran and could not finish
     │   ├── ChildCrashed         a child process died of a signal
     │   ├── ChildOutOfMemory     a child process went over its memory limit
+    │   ├── NotEnoughMemory      the stage would need more than there is, or went over its limit itself
     │   └── WorkspaceBusy        another process writes in the workspace
     ├── NotValid              4  finished, but the mesh does not pass its checks
     ├── TimedOut            124  a time limit was reached
@@ -67,6 +68,10 @@ class ChildCrashed(StageError):
 
 
 class ChildOutOfMemory(StageError):
+    pass
+
+
+class NotEnoughMemory(StageError):
     pass
 
 

@@ -45,7 +45,7 @@ def program(folder: Path, body: str) -> str:
     return str(path)
 
 
-def with_extractor(folder: Path, body: str) -> Outcome:
+def with_extractor(folder: Path, body: str, *options: str) -> Outcome:
     """`neurframe hex` on a workspace of the cube, with another program in place of neurframe-hexex."""
     words = [
         "run",
@@ -59,7 +59,7 @@ def with_extractor(folder: Path, body: str) -> Outcome:
         "0.3",
         "--no-pictures",
     ]
-    words += ["--method", "discrete", "--threads", "1", "-q"]
+    words += ["--method", "discrete", "--threads", "1", "-q", *options]
     return neurframe(folder, *words, NEURFRAME_HEXEX=program(folder, body))
 
 
@@ -101,6 +101,11 @@ def child_crashed(folder: Path) -> Outcome:
 
 
 def child_out_of_memory(folder: Path) -> Outcome:
+    hog = f"exec {sys.executable} -c 'import time; block = bytearray(1200 << 20); time.sleep(60)'"
+    return with_extractor(folder, hog, "--memory", "1000")
+
+
+def not_enough_memory(folder: Path) -> Outcome:
     return neurframe(folder, "tetize", CUBE, "--memory", "64")
 
 
@@ -142,10 +147,20 @@ MAKERS: dict[str, Callable[[Path], Outcome]] = {
     "StageError": stage_error,
     "ChildCrashed": child_crashed,
     "ChildOutOfMemory": child_out_of_memory,
+    "NotEnoughMemory": not_enough_memory,
     "WorkspaceBusy": workspace_busy,
     "NotValid": not_valid,
     "TimedOut": timed_out,
     "interrupted": interrupted,
+}
+
+# outcomes that share an exit code, told apart by what is said
+SAYS = {
+    "StageError": "the disk is gone",
+    "ChildCrashed": "SIGSEGV",
+    "ChildOutOfMemory": "allowed are 1000 MiB",
+    "NotEnoughMemory": "would need about",
+    "WorkspaceBusy": "in use by another neurframe process",
 }
 
 
@@ -153,6 +168,7 @@ MAKERS: dict[str, Callable[[Path], Outcome]] = {
 def test_outcome(outcome: str, tmp_path: Path) -> None:
     code, said = MAKERS[outcome](tmp_path)
     assert code == TABLE[outcome], said
+    assert SAYS.get(outcome, "") in said
     assert "Traceback" not in said
     assert "internal error" not in said
 

@@ -55,7 +55,7 @@ _RESULTS = "results"
     envvar="THINGI10K",
     help="Folder with a copy of Thingi10K, for inputs thingi10k:ID.  [default: the extra `thingi10k`]",
 )
-@limit_options(3600.0, "a whole job")
+@limit_options(3600.0, "a whole job", "a whole job")
 @run_options
 @click.pass_context
 def command(

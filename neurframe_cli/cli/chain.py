@@ -63,14 +63,16 @@ def train_of(workspace: Workspace, values: Mapping[str, Any], threads: int, *, f
         time_budget_s=values["time_budget"],
         threads=threads,
     )
-    return train_step(workspace, options, fresh=fresh)
+    return train_step(workspace, options, fresh=fresh, memory_mib=values["memory"])
 
 
 def discretize_of(workspace: Workspace, values: Mapping[str, Any]) -> Step:
     """Field -> frames and crosses."""
     from neurframe_cli.pipeline.discretize_step import discretize_step
 
-    return discretize_step(workspace, values["surface"], pictures=values["pictures"])
+    return discretize_step(
+        workspace, values["surface"], pictures=values["pictures"], memory_mib=values["memory"]
+    )
 
 
 def points_stage(

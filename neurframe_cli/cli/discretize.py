@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from neurframe_cli.cli.command import StageCommand
-from neurframe_cli.cli.options import discretize_options, force_option, workspace_option
+from neurframe_cli.cli.options import discretize_options, force_option, memory_option, workspace_option
 
 if TYPE_CHECKING:
     from neurframe_cli.cli.console import Console
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     type=click.Path(path_type=Path),
     help="Ask the field at these points instead (text with x y z a line, or .npy); writes points.npz.",
 )
+@memory_option()
 @force_option
 def command(
     workspace: Path | None, points: Path | None, force: bool, threads: int, console: Console, **values: object

@@ -79,18 +79,20 @@ def tetize_options(edge_length_name: str) -> Callable[[Command], Command]:
     )
 
 
-def limit_options(timeout_s: float, what: str) -> Callable[[Command], Command]:
-    """--timeout and --memory of child processes."""
-    return options(
-        click.option(
-            "--timeout", type=_positive, default=timeout_s, show_default=True, help=f"Seconds for {what}."
-        ),
-        click.option(
-            "--memory",
-            type=click.IntRange(64),
-            help=f"MiB for {what}.  [default: what is free]",
-        ),
+A_STAGE = "a stage, and for each program in it"
+
+
+def memory_option(what: str = A_STAGE) -> Callable[[Command], Command]:
+    """--memory."""
+    return click.option("--memory", type=click.IntRange(64), help=f"MiB for {what}.  [default: what is free]")
+
+
+def limit_options(timeout_s: float, what: str, memory: str = A_STAGE) -> Callable[[Command], Command]:
+    """--timeout of child processes, and --memory."""
+    timeout = click.option(
+        "--timeout", type=_positive, default=timeout_s, show_default=True, help=f"Seconds for {what}."
     )
+    return options(timeout, memory_option(memory))
 
 
 feature_angle_option = click.option(

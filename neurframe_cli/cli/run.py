@@ -167,6 +167,12 @@ def _say_plan(job: Job, console: Console) -> None:
         steps[kind] = partial(mesh_of, kind, job.workspace, request)
     planned = plan(job.workspace, steps, force=job.force)
     quads = job.requests.get("quad")
-    amount = amount_of(job.model, job.values["tet_edge_length"], quads.size if quads else None)
+    hexes = job.requests.get("hex")
+    amount = amount_of(
+        job.model,
+        job.values["tet_edge_length"],
+        quads.size if quads else None,
+        hexes.size if hexes else None,
+    )
     speed, earlier = measured_speed(manifests_beside(job.workspace))
     console.result("\n".join(plan_lines(planned, amount, speed, earlier)))

@@ -40,14 +40,15 @@ def _mesh_lines(workspace: Workspace, kind: Kind, record: StageRecord) -> Iterat
 
 
 def plan_lines(planned: Sequence[PlannedStage], amount: Amount, speed: float, earlier: int) -> Iterator[str]:
-    """One line a stage: what would be done, and about how long it takes."""
+    """One line a stage: what would be done, about how long it takes, and about how much memory."""
     from neurframe_cli.pipeline.forecast import seconds_of
+    from neurframe_cli.pipeline.memory import expected_mib
 
     total = 0.0
     for stage in planned:
         seconds = seconds_of(stage.name, amount, speed) if stage.state != "cached" else 0.0
         total += seconds
-        about = f", about {seconds:.0f} s" if seconds else ""
+        about = f", about {seconds:.0f} s, {expected_mib(stage.name, amount):.0f} MiB" if seconds else ""
         yield f"{stage.name:<11}{_STATES[stage.state]}{about}"
     basis = (
         f"scaled by {earlier} earlier stages here" if earlier else "one thread; nothing was measured here yet"

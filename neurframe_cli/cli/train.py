@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING
 import click
 
 from neurframe_cli.cli.command import StageCommand
-from neurframe_cli.cli.options import force_option, seed_option, train_options, workspace_option
+from neurframe_cli.cli.options import (
+    force_option,
+    memory_option,
+    seed_option,
+    train_options,
+    workspace_option,
+)
 
 if TYPE_CHECKING:
     from neurframe_cli.cli.console import Console
@@ -17,6 +23,7 @@ if TYPE_CHECKING:
 @click.command(name="train", cls=StageCommand)
 @workspace_option
 @train_options
+@memory_option()
 @seed_option
 @force_option
 def command(workspace: Path | None, force: bool, threads: int, console: Console, **values: object) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from neurframe_cli.errors import InvalidMesh, TooNewFile, UnreadableFile
 from neurframe_cli.mesh.arrays import Floats
-from neurframe_cli.mesh.open_file import read_bytes
+from neurframe_cli.mesh.open_file import check_file, read_bytes
 
 VERSION = 1
 # below this cosine of the smallest angle, three vectors lie so nearly in a plane that they mean no frame
@@ -45,6 +45,13 @@ def read_fra(path: Path) -> Floats:
     if len(bad):
         raise UnreadableFile(f"{path}: the frame of tet {bad[0] // (3 * vectors)} is not finite")
     return numbers.reshape(count, vectors, 3)
+
+
+def frame_count(path: Path) -> int:
+    """Number of tets that the file has frames for, from its header; raises UnreadableFile, TooNewFile."""
+    check_file(path)
+    with path.open("rb") as file:
+        return _header(path, file.read(1 << 10).split()[:5])[0]
 
 
 def read_frames(path: Path) -> Floats:

@@ -16,6 +16,7 @@ from neurframe_cli.mesh.read_tets import read_medit
 from neurframe_cli.picture.field_data import FieldData
 from neurframe_cli.picture.vtp import write_crosses_vtp, write_singular_edges_vtp
 from neurframe_cli.pipeline.atomic import atomic_path
+from neurframe_cli.pipeline.forecast import Amount
 from neurframe_cli.pipeline.pictures import draw_or_warn
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.tetize_step import FEATURES, SURFACE, TETS
@@ -35,14 +36,17 @@ PICTURES = {
 POINTS = "points.npz"
 
 
-def discretize_step(workspace: Workspace, choice: Choice, *, pictures: bool = True) -> Step:
-    """The stage bound to its files; `choice` of the surface that carries the crosses."""
+def discretize_step(
+    workspace: Workspace, choice: Choice, *, pictures: bool = True, memory_mib: float | None = None
+) -> Step:
+    """The stage bound to its files; `choice` of the surface that carries the crosses; memory_mib: see Step."""
     inputs = {name: workspace.require(name, "tetize INPUT") for name in (SURFACE, TETS, FEATURES)}
     inputs[FIELD] = workspace.require(FIELD, "train")
 
     def work(context: StageContext) -> dict[str, Any]:
         tets, features = read_medit(inputs[TETS])[0], read_features(inputs[FEATURES])
         surface, reason = choose_cross_surface(read_surface(inputs[SURFACE]), tets, choice)
+        context.expect("discretize", Amount(len(tets.T), len(surface.F)))
         field = read_field(inputs[FIELD])
         found = discretize(
             field.query, tets, surface, features, progress=lambda x, text: context.progress(0.8 * x, text)
@@ -59,8 +63,10 @@ def discretize_step(workspace: Workspace, choice: Choice, *, pictures: bool = Tr
         inputs=inputs,
         outputs=(FRAMES_FRA, FRAMES, CROSSES, CROSSES_VTP, SINGULAR_EDGES, *PICTURES.values()),
         options={"surface": choice, "pictures": pictures},
+        unkeyed_options={"memory_mib": memory_mib},
         work=work,
         packages=("torch", "numpy", "pyvista"),
+        memory_mib=memory_mib,
     )
 
 

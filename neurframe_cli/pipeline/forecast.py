@@ -33,25 +33,32 @@ _SPEED_STAGES = ("train", "discretize", "hex")  # what their formulas need stand
 
 @dataclass(frozen=True)
 class Amount:
-    """What the stages work on; faces: triangles of the input; is_surface: fTetWild has to fill it."""
+    """What the stages work on; faces: triangles of the input, or of the carrier of the crosses; is_surface: fTetWild
+    has to fill it."""
 
     tets: float
-    faces: float
-    quads: float
-    is_surface: bool
+    faces: float = 0.0
+    quads: float = 0.0
+    hexes: float = 0.0
+    is_surface: bool = True
 
 
-def amount_of(model: Path, tet_edge_length: float, quad_size: ElementSize | None) -> Amount:
+def amount_of(
+    model: Path, tet_edge_length: float, quad_size: ElementSize | None, hex_size: ElementSize | None = None
+) -> Amount:
     """What a run on the file `model` will work on; tet_edge_length in bounding-box diagonals.
 
     Raises what reading raises.
     """
     loaded = load_model(model)
-    if not isinstance(loaded, Surface):
+    if isinstance(loaded, Surface):
+        surface, tets, faces = loaded, expected_tets(loaded, tet_edge_length), len(loaded.F)
+    else:
         V, T = loaded[0].V, loaded[0].T
-        return Amount(len(T), 0, _quads(Surface(V, tet_adjacency(T).boundary_faces), quad_size), False)
-    tets = expected_tets(loaded, tet_edge_length)
-    return Amount(tets, len(loaded.F), _quads(loaded, quad_size), True)
+        surface, tets, faces = Surface(V, tet_adjacency(T).boundary_faces), float(len(T)), 0
+    quads = expected_quads(surface, quad_size) if quad_size is not None else 0.0
+    hexes = expected_hexes(surface, hex_size) if hex_size is not None else 0.0
+    return Amount(tets, faces, quads, hexes, isinstance(loaded, Surface))
 
 
 def expected_tets(surface: Surface, edge_length: float) -> float:
@@ -62,8 +69,17 @@ def expected_tets(surface: Surface, edge_length: float) -> float:
     """
     diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
     h = edge_length * diagonal
-    volume = abs(_volume(surface.V, surface.F))
-    return 8.5 * volume / h**3 + 3 * _area(surface) / h**2 + 0.5 * len(surface.F)
+    return 8.5 * _volume(surface) / h**3 + 3 * _area(surface) / h**2 + 0.5 * len(surface.F)
+
+
+def expected_quads(surface: Surface, size: ElementSize) -> float:
+    """As many squares of that size as have the area of the surface."""
+    return size.count or _area(surface) / size.length(surface) ** 2
+
+
+def expected_hexes(surface: Surface, size: ElementSize) -> float:
+    """As many cubes of that size as have the volume that the surface encloses."""
+    return size.count or _volume(surface) / size.length(surface) ** 3
 
 
 def seconds_of(stage: str, amount: Amount, speed: float = 1.0) -> float:
@@ -82,12 +98,8 @@ def measured_speed(manifests: Iterable[Manifest]) -> tuple[float, int]:
         for name in _SPEED_STAGES:
             record = manifest.stages.get(name)
             if tets and record is not None and record.status in ("done", "invalid") and record.seconds > 0:
-                ratios.append(record.seconds / seconds_of(name, Amount(tets, 0, 0, True)))
+                ratios.append(record.seconds / seconds_of(name, Amount(tets)))
     return (statistics.median(ratios), len(ratios)) if ratios else (1.0, 0)
-
-
-def _quads(surface: Surface, size: ElementSize | None) -> float:
-    return _area(surface) / size.length(surface) ** 2 if size is not None else 0.0
 
 
 def _corners(V: Floats, F: Ints) -> tuple[Floats, Floats, Floats]:
@@ -99,7 +111,7 @@ def _area(surface: Surface) -> float:
     return float(np.linalg.norm(np.cross(B - A, C - A), axis=1).sum() / 2)
 
 
-def _volume(V: Floats, F: Ints) -> float:
+def _volume(surface: Surface) -> float:
     # about a corner of the model, so that one far from the origin does not cancel
-    A, B, C = _corners(V - V[F[0, 0]], F)
-    return float(np.einsum("ij,ij->i", A, np.cross(B, C)).sum() / 6)
+    A, B, C = _corners(surface.V - surface.V[surface.F[0, 0]], surface.F)
+    return abs(float(np.einsum("ij,ij->i", A, np.cross(B, C)).sum())) / 6

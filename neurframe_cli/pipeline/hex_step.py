@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 
+from neurframe_cli.field.fra import frame_count
 from neurframe_cli.mesh.optimize.smooth import SmoothOptions
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.pipeline.atomic import atomic_path
 from neurframe_cli.pipeline.discretize_step import FRAMES_FRA
+from neurframe_cli.pipeline.forecast import Amount, expected_hexes
 from neurframe_cli.pipeline.mesh_step import MadeMesh, MeshKind, MeshRequest, Model, extract, mesh_step, part
 from neurframe_cli.pipeline.native import run_program
 from neurframe_cli.pipeline.runner import StageContext, Step
@@ -28,6 +30,8 @@ def hex_step(workspace: Workspace, request: MeshRequest) -> Step:
 
 def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, request: MeshRequest) -> MadeMesh:
     """Parametrize, extract, smooth."""
+    tets = frame_count(inputs[FRAMES_FRA])
+    context.expect("hex", Amount(tets, hexes=expected_hexes(model.surface, request.size)))
     size = request.size.arguments(model.surface, "--target-cells")
     size += ["--feature-angle", repr(request.feature_angle_deg), "--features", str(inputs[FEATURES])]
     with atomic_path(context.workspace / HEX.map_name) as path:

@@ -20,7 +20,8 @@ class StageRecord:
     """One stage's entry.
 
     status: running, done, invalid (written, but it fails its checks), failed, interrupted; key: digest of
-    everything that determines the outputs; inputs, outputs: file name -> sha256; report: the stage's own numbers.
+    everything that determines the outputs; inputs, outputs: file name -> sha256; peak_mib, expected_mib: the most
+    memory that it held, and the estimate before it began (0: none); report: the stage's own numbers.
     """
 
     status: str
@@ -33,6 +34,7 @@ class StageRecord:
     seconds: float = 0.0
     cpu_seconds: float = 0.0
     peak_mib: float = 0.0
+    expected_mib: float = 0.0
     warnings: list[str] = field(default_factory=list)
     report: dict[str, Any] = field(default_factory=dict)
     error: str | None = None
@@ -84,6 +86,7 @@ _TYPES: dict[str, type | tuple[type, ...]] = {
     "seconds": (int, float),
     "cpu_seconds": (int, float),
     "peak_mib": (int, float),
+    "expected_mib": (int, float),
     "warnings": list,
     "report": dict,
     "error": (str, type(None)),

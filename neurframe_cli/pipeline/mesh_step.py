@@ -112,6 +112,7 @@ def mesh_step(
         unkeyed_options=asdict(request.limits),
         work=work,
         packages=("numpy", "scipy", "libigl", "meshio"),
+        memory_mib=request.limits.memory_mib,
     )
 
 

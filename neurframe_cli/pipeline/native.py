@@ -12,11 +12,12 @@ from neurframe_cli.errors import InputError, NotValid, StageError
 from neurframe_cli.mesh.arrays import Progress
 from neurframe_cli.pipeline.executables import find_executable
 from neurframe_cli.process import run_child
+from neurframe_cli.process.memory import usable_mib
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What a child process may use: wall seconds, MiB of memory, threads; None is no limit."""
+    """What a child process may use: wall seconds, MiB of memory, threads; None is no limit, of memory what is free."""
 
     timeout_s: float | None = None
     memory_mib: float | None = None
@@ -45,7 +46,7 @@ def run_program(
             [executable, *arguments, *threads],
             name=executable.name,
             timeout_s=limits.timeout_s,
-            memory_mib=limits.memory_mib,
+            memory_mib=limits.memory_mib or usable_mib(),
             threads=limits.threads,
             on_progress=progress,
             accept=(0, NotValid.exit_code),

@@ -12,6 +12,7 @@ from neurframe_cli.mesh.arrays import Features, Floats, Surface
 from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
 from neurframe_cli.mesh.read_cells import CellMesh
+from neurframe_cli.pipeline.forecast import Amount, expected_quads
 from neurframe_cli.pipeline.mesh_step import MadeMesh, MeshKind, MeshRequest, Model, mesh_step, part
 from neurframe_cli.pipeline.quad_map import MappedQuads, MapProblem, mapped_quads
 from neurframe_cli.pipeline.quad_source import CrossCarrier, quad_inputs, read_carrier, read_model
@@ -40,6 +41,7 @@ def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, reque
     plane = _plane(model.surface, request)
     length = request.size.length(model.surface)
     carrier = read_carrier(inputs, model.surface, request.feature_angle_deg, length)
+    context.expect("quad", Amount(0, len(carrier.surface.F), expected_quads(model.surface, request.size)))
     followed = features_by_angle(carrier.surface.V, carrier.surface.F, request.feature_angle_deg)
     sizing = None
     if request.quads.adaptive is not None:

@@ -14,12 +14,14 @@ from pathlib import Path
 from typing import Any
 
 from neurframe_cli import __version__
-from neurframe_cli.errors import NeurframeError, NotValid, StageError, UsageError
+from neurframe_cli.errors import NeurframeError, NotEnoughMemory, NotValid, UsageError
 from neurframe_cli.mesh.arrays import Progress
 from neurframe_cli.pipeline.atomic import remove_leftovers, sha256_of, write_error
+from neurframe_cli.pipeline.forecast import Amount
 from neurframe_cli.pipeline.lock import exclusive
 from neurframe_cli.pipeline.manifest import Manifest, StageRecord, read_manifest, write_manifest
-from neurframe_cli.pipeline.usage import Usage
+from neurframe_cli.pipeline.memory import expected_mib, refuse_too_large, within
+from neurframe_cli.pipeline.usage import Usage, measured
 from neurframe_cli.pipeline.workspace import Workspace
 
 log = logging.getLogger("neurframe")
@@ -29,7 +31,7 @@ UNFINISHED = ""  # in place of the hash of an output whose stage has not finishe
 
 @dataclass
 class StageContext:
-    """What a step's work gets: where to read and write, how to tell progress.
+    """What a step's work gets: where to read and write, how to tell progress, how much memory it may take.
 
     A work that has written a mesh that does not pass its checks says why in `invalid` and returns its report.
     """
@@ -38,11 +40,18 @@ class StageContext:
     progress: Progress
     warnings: list[str] = field(default_factory=list)
     invalid: str | None = None
+    memory_mib: float | None = None
+    expected_mib: float = 0.0
 
     def warn(self, message: str) -> None:
         """Note something the user should know; it goes to the log and into the manifest."""
         log.warning(message)
         self.warnings.append(message)
+
+    def expect(self, stage: str, amount: Amount) -> None:
+        """Note how much memory the work will take; raises NotEnoughMemory where there is not so much."""
+        self.expected_mib = round(expected_mib(stage, amount), 1)
+        refuse_too_large(stage, self.expected_mib, self.memory_mib)
 
 
 @dataclass(frozen=True)
@@ -51,6 +60,7 @@ class Step:
 
     version is raised whenever the same inputs and options would give other outputs; inputs: label -> path;
     options: values that determine the outputs; unkeyed_options: values that do not (limits, threads), recorded only;
+    memory_mib: what the stage, and each of its programs, may take, None for what is free;
     work writes the outputs (atomically) and returns the report.
     """
 
@@ -62,6 +72,7 @@ class Step:
     work: Callable[[StageContext], dict[str, Any]]
     unkeyed_options: Mapping[str, Any] = field(default_factory=dict)
     packages: tuple[str, ...] = ()
+    memory_mib: float | None = None
 
 
 @dataclass(frozen=True)
@@ -95,7 +106,10 @@ def run_stage(workspace: Workspace, step: Step, progress: Progress, *, force: bo
         record.started = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
         manifest.stages[step.name] = record
         write_manifest(workspace.folder, manifest)
-        _carry_out(workspace, step, StageContext(workspace, progress, record.warnings), manifest)
+        bounded = within(progress, step.name, step.memory_mib)
+        context = StageContext(workspace, bounded, record.warnings, memory_mib=step.memory_mib)
+        with measured() as usage:
+            _carry_out(workspace, step, context, manifest, usage)
         return _judged(StageOutcome(record, skipped=False))
 
 
@@ -130,10 +144,12 @@ def is_current(workspace: Workspace, record: StageRecord, key: str) -> bool:
     return True
 
 
-def _carry_out(workspace: Workspace, step: Step, context: StageContext, manifest: Manifest) -> None:
+def _carry_out(
+    workspace: Workspace, step: Step, context: StageContext, manifest: Manifest, usage: Usage
+) -> None:
     record = manifest.stages[step.name]
     before = _made_at(workspace, step)
-    usage, started = Usage(), time.perf_counter()
+    started = time.perf_counter()
     try:
         record.report = _finite(step.work(context))
         record.status, record.error = ("invalid" if context.invalid else "done"), context.invalid
@@ -142,7 +158,9 @@ def _carry_out(workspace: Workspace, step: Step, context: StageContext, manifest
         raise
     except MemoryError as error:
         record.status, record.error = "failed", "out of memory"
-        raise StageError(f"{step.name}: out of memory", hint="use a larger --edge-length") from error
+        raise NotEnoughMemory(
+            f"{step.name}: the system gave no more memory", hint="make the problem coarser, or free memory"
+        ) from error
     except OSError as error:
         record.status, record.error = "failed", str(error)
         raise write_error(workspace.folder, error) from error
@@ -155,6 +173,7 @@ def _carry_out(workspace: Workspace, step: Step, context: StageContext, manifest
     finally:
         record.seconds = round(time.perf_counter() - started, 3)
         record.cpu_seconds, record.peak_mib = usage.cpu_seconds(), usage.peak_mib()
+        record.expected_mib = context.expected_mib
         if record.status in ("done", "invalid"):
             # a picture of an earlier run that this one did not draw again is none of its outputs
             made = [name for name, when in _made_at(workspace, step).items() if when != before.get(name)]

@@ -6,14 +6,17 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+from neurframe_cli.mesh.arrays import Features, Surface, TetMesh
 from neurframe_cli.mesh.features import write_features
 from neurframe_cli.mesh.load import load_model
 from neurframe_cli.mesh.open_file import check_file
 from neurframe_cli.mesh.read_feature_segments import read_feature_segments
 from neurframe_cli.mesh.write_mesh import write_surface, write_tets
 from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
+from neurframe_cli.pipeline.forecast import Amount, expected_tets
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.stages.tetize import TetizeOptions, TetizeResult, tetize
+from neurframe_cli.stages.tetize_attempts import COARSEST_FACTOR
 
 SURFACE, TETS, FEATURES = "surface.ply", "tets.mesh", "features.json"
 _UNKEYED = ("threads",)  # the limits count: where they are hit, coarser tets are made
@@ -29,6 +32,7 @@ def tetize_step(model: Path, features: Path | None, options: TetizeOptions) -> S
 
     def work(context: StageContext) -> dict[str, Any]:
         loaded = load_model(model)
+        context.expect("tetize", _amount(loaded, options))
         given = None if features is None else read_feature_segments(features, loaded)
         with scratch_folder(context.workspace.folder) as scratch:
             chosen = replace(options, feature_segments=given)
@@ -47,7 +51,16 @@ def tetize_step(model: Path, features: Path | None, options: TetizeOptions) -> S
         unkeyed_options={name: values[name] for name in _UNKEYED},
         work=work,
         packages=("pytetwild", "trimesh", "meshio", "numpy"),
+        memory_mib=options.memory_mib,
     )
+
+
+def _amount(model: Surface | tuple[TetMesh, Features], options: TetizeOptions) -> Amount:
+    """What there will be at the least: tets that do not fit into the memory are made again with longer edges."""
+    if not isinstance(model, Surface):
+        return Amount(len(model[0].T), is_surface=False)
+    longest = min(COARSEST_FACTOR * options.edge_length, 1.0)
+    return Amount(expected_tets(model, longest), len(model.F))
 
 
 def _write(context: StageContext, result: TetizeResult) -> None:

@@ -11,6 +11,7 @@ from neurframe_cli.field.field_file import field_to_bytes
 from neurframe_cli.mesh.features import read_features
 from neurframe_cli.mesh.read_tets import read_medit
 from neurframe_cli.pipeline.atomic import atomic_path
+from neurframe_cli.pipeline.forecast import Amount
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.tetize_step import FEATURES, TETS
 from neurframe_cli.pipeline.workspace import Workspace
@@ -21,8 +22,10 @@ FIELD, LOG, CHECKPOINT = "field.safetensors", "train.jsonl", "train.checkpoint"
 _UNKEYED = ("threads", "log_every", "checkpoint_every_s")
 
 
-def train_step(workspace: Workspace, options: TrainOptions, *, fresh: bool = False) -> Step:
-    """The stage bound to its files; fresh forgets the checkpoint of an unfinished run."""
+def train_step(
+    workspace: Workspace, options: TrainOptions, *, fresh: bool = False, memory_mib: float | None = None
+) -> Step:
+    """The stage bound to its files; fresh forgets the checkpoint of an unfinished run; memory_mib: see Step."""
     tets = workspace.require(TETS, "tetize INPUT")
     features = workspace.require(FEATURES, "tetize INPUT")
     values = options.__dict__
@@ -33,6 +36,7 @@ def train_step(workspace: Workspace, options: TrainOptions, *, fresh: bool = Fal
             journal.forget()
         journal.drop_damaged()
         mesh, _ = read_medit(tets)
+        context.expect("train", Amount(len(mesh.T)))
         result = train(mesh, read_features(features), options, context.progress, journal.log, journal)
         with atomic_path(context.workspace / FIELD) as path:
             path.write_bytes(field_to_bytes(result.field))
@@ -49,9 +53,10 @@ def train_step(workspace: Workspace, options: TrainOptions, *, fresh: bool = Fal
         inputs={TETS: tets, FEATURES: features},
         outputs=(FIELD, LOG),
         options={name: value for name, value in values.items() if name not in _UNKEYED},
-        unkeyed_options={name: values[name] for name in _UNKEYED},
+        unkeyed_options={**{name: values[name] for name in _UNKEYED}, "memory_mib": memory_mib},
         work=work,
         packages=("torch", "safetensors", "numpy", "scipy"),
+        memory_mib=memory_mib,
     )
 
 

@@ -13,7 +13,9 @@ from pathlib import Path
 from neurframe_cli.errors import Cancelled, ChildCrashed, ChildOutOfMemory, InputError, StageError, TimedOut
 from neurframe_cli.mesh.arrays import Progress
 from neurframe_cli.process.child_output import ChildOutput
+from neurframe_cli.process.child_peaks import note_child
 from neurframe_cli.process.environment import child_environment
+from neurframe_cli.process.memory import high_water_mib
 from neurframe_cli.process.process_tree import die_with_parent, end_group, resident_mib
 
 POLL_S = 0.1
@@ -64,6 +66,7 @@ def run_child(
         watch.until_end()
     finally:
         watch.end()
+        note_child(watch.peak_mib)
     result = watch.result()
     _raise_for_code(result, name, accept)
     return result
@@ -116,6 +119,7 @@ class _Watch:
         self.started = self.last_heard = time.monotonic()
         self.peak_mib = 0.0
         self.cpu_seconds = 0.0
+        self._inherited_mib = high_water_mib()
         self._next_memory_check = 0.0
 
     def until_end(self) -> None:
@@ -139,7 +143,9 @@ class _Watch:
         self.child.returncode = os.waitstatus_to_exitcode(status)
         self.cpu_seconds = usage.ru_utime + usage.ru_stime
         kib = usage.ru_maxrss if os.uname().sysname == "Linux" else usage.ru_maxrss / 1024
-        self.peak_mib = max(self.peak_mib, kib / 1024)
+        # until it begins its own program a child is a copy of us, and the system counts that copy too
+        if kib / 1024 > self._inherited_mib:
+            self.peak_mib = max(self.peak_mib, kib / 1024)
         return True
 
     def end(self) -> None:
@@ -177,11 +183,14 @@ class _Watch:
                 f"{self.name} was stopped: it had said nothing for {limits.silence_s:.4g} seconds",
                 hint="give it more time with --timeout",
             )
-        if limits.memory_mib is not None and now >= self._next_memory_check:
+        if now >= self._next_memory_check:
             self._next_memory_check = now + POLL_S
             self._check_memory(limits.memory_mib)
 
-    def _check_memory(self, allowed_mib: float) -> None:
+    def _check_memory(self, allowed_mib: float | None) -> None:
+        self.peak_mib = max(self.peak_mib, high_water_mib(self.child.pid))
+        if allowed_mib is None:
+            return
         resident = resident_mib(self.child.pid)
         self.peak_mib = max(self.peak_mib, resident)
         if resident > allowed_mib:

@@ -15,6 +15,7 @@ from neurframe_cli.mesh.check_tets import checked_tets
 from neurframe_cli.mesh.clean_surface import CleaningReport
 from neurframe_cli.mesh.decimate_surface import decimated_surface
 from neurframe_cli.mesh.manifold_boundary import ManifoldReport, make_boundary_manifold
+from neurframe_cli.process.memory import usable_mib
 from neurframe_cli.stages.run_tetwild import TetwildRun, TetwildSettings, run_tetwild
 from neurframe_cli.stages.tetize_check import Fit, fit, refuse_misfit
 
@@ -24,11 +25,11 @@ if TYPE_CHECKING:
 # of the time that is left, an attempt that has another one behind it gets this part
 TIME_SHARE = 0.6
 COARSEST = 0.25  # coarser than this a tet mesh says nothing about its shape
+COARSEST_FACTOR = 4  # nor does one that is so much coarser than what was asked for
 # fTetWild's simplification of the input can run for ever, silently; after a twentieth of the time without a word, and
 # after so many seconds at least, the surface is decimated before it is given to fTetWild again
 SILENT_SHARE, LEAST_SILENCE_S = 0.05, 20.0
 DECIMATION_TOLERANCE = 0.5  # of epsilon
-SPARE_MIB = 512  # what is left to the rest of the machine when memory_mib is None
 
 
 class EmptyResultError(StageError):
@@ -106,7 +107,7 @@ def _attempt(task: Task, settings: TetwildSettings, timeout_s: float) -> tuple[T
         seed=task.options.seed,
         timeout_s=timeout_s,
         silence_s=_longest_silence(task, settings),
-        memory_mib=task.options.memory_mib or _free_mib(),
+        memory_mib=task.options.memory_mib or usable_mib(),
         progress=task.progress,
         scratch_dir=task.scratch_dir,
     )
@@ -132,7 +133,7 @@ def settings_after(
     """
     doubled = 2 * last.edge_length_fac
     coarser = replace(last, edge_length_fac=doubled, simplify=True)
-    coarse_enough = doubled > min(COARSEST, 4 * first.edge_length_fac)
+    coarse_enough = doubled > min(COARSEST, COARSEST_FACTOR * first.edge_length_fac)
     if isinstance(error, TimedOut | ChildOutOfMemory):
         if manifold and not last.decimate:
             return replace(last, decimate=True)
@@ -223,10 +224,3 @@ def _final(error: StageError | TimedOut, attempts: list[Attempt]) -> NeurframeEr
     kind = StageError if isinstance(error, EmptyResultError) else type(error)
     tried = f" ({len(attempts)} attempts)" if len(attempts) > 1 else ""
     return kind(f"{error}{tried}", hint=error.hint or "try a larger --edge-length or --epsilon")
-
-
-def _free_mib() -> float:
-    """What a child may take when nobody said: the memory that is free now, less a spare."""
-    import psutil
-
-    return max(float(psutil.virtual_memory().available) / 2**20 - SPARE_MIB, SPARE_MIB)
