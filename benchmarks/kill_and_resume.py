@@ -1,10 +1,11 @@
 """Kill a stage with SIGKILL at random moments, run it again, and compare with an undisturbed run.
 
-    python benchmarks/kill_and_resume.py samples/cube.stl --kills 20
+    python benchmarks/kill_and_resume.py samples/cube.stl --edge-length 0.2 --kills 20
 
 For each stage: one undisturbed run, then per kill a fresh copy, the same command killed after a random
-share of the undisturbed time, every file left checked against the manifest (none torn), the command run again, and the
-outputs compared byte by byte.  Prints one JSON line a kill and a summary; exit status 1 where anything differed.
+share of the undisturbed time, every file that is left checked (an artifact is whole or not there), the command run
+again, and the outputs compared byte by byte.  Prints one JSON line a kill and a summary; exit status 1 where anything
+differed.  `status` is what the manifest said of the stage when it was killed, null where it had not begun.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from neurframe_cli.pipeline.atomic import sha256_of
+from neurframe_cli.pipeline.atomic import TEMPORARY_PREFIX, sha256_of
 from neurframe_cli.pipeline.manifest import read_manifest
 
 OUTPUTS = {
@@ -42,7 +43,7 @@ BEFORE = {
 OPTIONS = {
     "discretize": ["--no-pictures"],
     "quad": ["--no-pictures", "--scale", "30"],
-    "hex": ["--no-pictures", "--scale", "10"],
+    "hex": ["--no-pictures", "--scale", "8"],
 }
 
 
@@ -76,14 +77,17 @@ def kill_stage(stage: str, arguments: argparse.Namespace, scratch: Path, rng: ra
     for earlier in BEFORE[stage]:
         subprocess.run(command(earlier, arguments, before), check=True)
     reference, seconds = undisturbed(stage, arguments, before, scratch / "reference")
-    failures = 0
+    failures, at_work = 0, 0
     for number in range(arguments.kills):
-        outcome = kill_once(stage, arguments, before, scratch / "victim", rng.random() * seconds)
-        outcome |= {"stage": stage, "kill": number, "same": outcome.pop("outputs") == reference}
-        failures += not (outcome["same"] and not outcome["torn"])
+        outcome = kill_once(stage, arguments, before, scratch / "victim", rng.random() * seconds, reference)
+        outcome = {"stage": stage, "kill": number, **outcome}
+        failures += bool(outcome["torn"] or outcome["left_over"] or outcome["exit"] or not outcome["same"])
+        at_work += outcome["status"] == "running"
         print(json.dumps(outcome), flush=True)
     print(
-        f"{stage}: {arguments.kills} kills within {seconds:.1f} s, {failures} with another result", flush=True
+        f"{stage}: {arguments.kills} kills within {seconds:.1f} s, {at_work} of them at work, "
+        f"{failures} with another result",
+        flush=True,
     )
     return failures
 
@@ -105,9 +109,14 @@ def undisturbed(
 
 
 def kill_once(
-    stage: str, arguments: argparse.Namespace, before: Path, folder: Path, delay: float
+    stage: str,
+    arguments: argparse.Namespace,
+    before: Path,
+    folder: Path,
+    delay: float,
+    reference: dict[str, str],
 ) -> dict[str, object]:
-    """Kill after `delay` seconds, look for torn files, run again; outputs by hash."""
+    """Kill after `delay` seconds, look for torn files, run again, compare with the outputs in `reference`."""
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(before, folder)
     victim = subprocess.Popen(
@@ -116,24 +125,32 @@ def kill_once(
     time.sleep(delay)
     os.kill(victim.pid, signal.SIGKILL)
     victim.wait()
-    torn = torn_files(folder)
+    record = read_manifest(folder).stages.get(stage)
+    torn = torn_files(stage, folder, reference)
     again = subprocess.run(command(stage, arguments, folder), check=False)
     return {
         "after_s": round(delay, 2),
+        "status": None if record is None else record.status,
         "torn": torn,
         "exit": again.returncode,
-        "outputs": hashes(stage, folder),
+        "left_over": sorted(path.name for path in folder.glob(TEMPORARY_PREFIX + "*")),
+        "same": hashes(stage, folder) == reference,
     }
 
 
-def torn_files(folder: Path) -> list[str]:
-    """Artifacts whose content is not what the manifest says, in stages that the manifest calls done."""
-    return [
-        name
+def torn_files(stage: str, folder: Path, reference: dict[str, str]) -> list[str]:
+    """Artifacts that are neither what the manifest says of a finished stage nor what this stage writes in the end."""
+    recorded = {
+        name: digest
         for record in read_manifest(folder).stages.values()
         if record.status == "done"
         for name, digest in record.outputs.items()
-        if sha256_of(folder / name) != digest
+    }
+    expected = recorded | {name: reference[name] for name in hashes(stage, folder)}
+    return [
+        name
+        for name, digest in expected.items()
+        if not (folder / name).is_file() or sha256_of(folder / name) != digest
     ]
 
 

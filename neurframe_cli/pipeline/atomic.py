@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import fcntl
 import hashlib
 import json
 import os
@@ -26,17 +27,18 @@ def atomic_path(path: Path) -> Iterator[Path]:
     """
     try:
         handle, name = tempfile.mkstemp(prefix=TEMPORARY_PREFIX, suffix=path.suffix, dir=path.parent)
-        os.close(handle)
     except OSError as error:
         raise write_error(path, error) from error
     temporary = Path(name)
     try:
+        _mark_in_use(handle)
         yield temporary
         _settle(temporary, path)
     except OSError as error:
         raise write_error(path, error) from error
     finally:
         temporary.unlink(missing_ok=True)
+        os.close(handle)
 
 
 def _settle(temporary: Path, path: Path) -> None:
@@ -72,12 +74,39 @@ def write_json(path: Path, value: Any) -> None:
 
 
 def remove_leftovers(folder: Path) -> None:
-    """Delete temporary files and folders that a killed process left; call only while holding the workspace lock."""
+    """Delete temporary files and folders that a killed process left, and none that a living one works on.
+
+    The workspace's lock does not keep all others out: a report may be written while a stage runs.
+    """
     for leftover in folder.glob(TEMPORARY_PREFIX + "*"):
+        if _is_in_use(leftover):
+            continue
         if leftover.is_dir() and not leftover.is_symlink():
             shutil.rmtree(leftover)
         else:
             leftover.unlink(missing_ok=True)
+
+
+def _mark_in_use(handle: int) -> None:
+    """Lock an open temporary file or folder; the system drops the lock when its holder dies."""
+    with contextlib.suppress(OSError):  # a file system without locks
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def _is_in_use(leftover: Path) -> bool:
+    try:
+        handle = os.open(leftover, os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC)
+    except OSError:  # a link, or gone
+        return False
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    finally:
+        os.close(handle)
+    return False
 
 
 @contextlib.contextmanager
@@ -88,7 +117,12 @@ def scratch_folder(parent: Path) -> Iterator[Path]:
     except OSError as error:
         raise write_error(parent, error) from error
     with scratch as name:
-        yield Path(name)
+        handle = os.open(name, os.O_RDONLY | os.O_CLOEXEC)
+        try:
+            _mark_in_use(handle)
+            yield Path(name)
+        finally:
+            os.close(handle)
 
 
 def sha256_of(path: Path) -> str:
