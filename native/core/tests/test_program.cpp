@@ -53,6 +53,11 @@ static void test_exit_codes() {
   CHECK(exit_status([](const Arguments&, Json&) -> ExitCode { throw std::out_of_range("i"); }) == 3);
 }
 
+// Names and words of files come into messages: they stay one line and harmless on a terminal.
+static void test_one_line() {
+  CHECK(in_one_line("a\nb\033[2Jc\x7f \xc3\xa9") == "a?b?[2Jc? \xc3\xa9");
+}
+
 static void test_json() {
   Json json;
   json["tets"] = 12;
@@ -91,6 +96,7 @@ int main() {
   test_arguments();
   test_numbers();
   test_exit_codes();
+  test_one_line();
   test_json();
   test_parallel();
   return test_result();

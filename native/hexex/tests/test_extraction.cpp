@@ -167,12 +167,18 @@ static void test_flat_tets() {
   }
 }
 
+// Memory for what a wrong number spans is not asked for.
+static void test_refusals() {
+  CHECK_THROWS(extracted(cube_map(1, 100000)), StageError, "columns of cells, allowed are");
+}
+
 int main() {
   test_cubes();
   test_degenerate_alignment();
   test_threads_do_not_matter();
   test_singular_edges();
   test_folds();
+  test_refusals();
   test_flat_tets();
   return test_result();
 }

@@ -221,6 +221,19 @@ static void test_refusals() {
   CHECK_THROWS(extracted(map), InputError, "no rotation of the grid");
   map = sector_map(1, 2, 1e8);
   CHECK_THROWS(extracted(map), InputError, "allowed are parameters below 2^24");
+  CHECK_THROWS(extracted(sector_map(1, 16, 1.6e7)), StageError, "columns of cells, allowed are");
+}
+
+static void test_threads_do_not_matter() {
+  std::mt19937 random(3);
+  QuadMap map = sector_map(5, 30, 40);
+  fold_square(map, 1.2, std::ldexp(1.0, -20), random);
+  const Result one = extracted(map, 1);
+  CHECK(one.report.flipped > 0);
+  for (const int threads : {2, 4, 7}) {
+    const Result many = extracted(map, threads);
+    CHECK(many.mesh.V == one.mesh.V && many.mesh.cells == one.mesh.cells);
+  }
 }
 
 int main() {
@@ -231,5 +244,6 @@ int main() {
   test_locations();
   test_given_transitions();
   test_refusals();
+  test_threads_do_not_matter();
   return test_result();
 }
