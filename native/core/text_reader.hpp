@@ -118,7 +118,9 @@ class TextReader {
 
   // A word of the file for a complaint, cut off when it is long.
   static std::string quoted(std::string_view word) {
-    return word.size() <= 40 ? "'" + std::string(word) + "'" : "'" + std::string(word.substr(0, 37)) + "...'";
+    const bool cut = word.size() > 40;
+    // appended: GCC 12 warns wrongly of overlapping memory where a literal is put before a temporary
+    return std::string(1, '\'').append(cut ? word.substr(0, 37) : word).append(cut ? "...'" : "'");
   }
 
  private:
