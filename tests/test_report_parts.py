@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from test_quality import cube_shell, hex_grid
 
 from neurframe_cli.errors import UnreadableFile
-from neurframe_cli.mesh.quality.check import HEX_FACES
+from neurframe_cli.mesh.hex_shell import HEX_FACES
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.picture.read_vtp import read_vtp
 from neurframe_cli.picture.vtp import write_streamlines_vtp

@@ -7,16 +7,24 @@ import numpy as np
 from neurframe_cli.mesh.arrays import Bools, Floats, Ints
 
 CHUNK = 1 << 18  # pairs tested at a time: some 100 MiB
+# times coordinate times squared length: a volume that points in one plane can have from rounding, theirs included
+ROUNDING = 32 * np.finfo(np.float64).eps
 
 
 def self_intersections(V: Floats, F: Ints) -> int:
-    """Number of pairs of triangles without a common vertex of which an edge of one passes through or touches the other.
+    """Number of pairs that `intersecting_pairs` finds."""
+    return len(intersecting_pairs(V, F))
+
+
+def intersecting_pairs(V: Floats, F: Ints) -> Ints:
+    """Pairs (p,2) of triangles without a common vertex of which an edge of one passes through or touches the other.
 
     V (n,3), F (m,3).  In floating point: a touch off the coordinate planes may be missed, and so is an overlap of
     two triangles in one plane, though not that of the walls which end there.
     """
     pairs = _near_pairs(V, F)
-    return sum(int(_meet(V, F[chunk]).sum()) for chunk in np.array_split(pairs, 1 + len(pairs) // CHUNK))
+    chunks = np.array_split(pairs, 1 + len(pairs) // CHUNK)
+    return np.concatenate([chunk[_meet(V, F[chunk])] for chunk in chunks])
 
 
 def _near_pairs(V: Floats, F: Ints) -> Ints:
@@ -60,5 +68,12 @@ def _reaches(start: Floats, end: Floats, a: Floats, b: Floats, c: Floats) -> Boo
 
 
 def _volume(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
-    """Six times the signed volume of tets."""
-    return np.asarray(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a))
+    """Six times the signed volume of tets, zero where that is no more than rounding.
+
+    Without this, disjoint triangles of one slanted plane were said to cross.
+    """
+    sides = np.stack([b - a, c - a, d - a])
+    volume = np.einsum("ij,ij->i", np.cross(sides[0], sides[1]), sides[2])
+    coordinate = np.abs(np.stack([a, b, c, d])).max(axis=(0, 2))
+    noise = ROUNDING * coordinate * np.einsum("kij,kij->ki", sides, sides).max(axis=0)
+    return np.asarray(np.where(np.abs(volume) > noise, volume, 0.0))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurframe_cli.mesh.arrays import Bools, Floats, Ints
-from neurframe_cli.mesh.quality.check import HEX_EDGES, HEX_FACES
+from neurframe_cli.mesh.hex_shell import HEX_EDGES, hex_shell
 from neurframe_cli.mesh.quality.polygons import triangulated, unique_edges, valences
 from neurframe_cli.mesh.quality.scaled_jacobian import hex_scaled_jacobians, quad_scaled_jacobians
 from neurframe_cli.picture.mesh_data import MeshData
@@ -49,8 +49,8 @@ def draw_hexes(path: Path, data: MeshData) -> None:
     """PNG of the hexes from outside, coloured by quality."""
     quality = hex_scaled_jacobians(data.V, data.cells).min(axis=1)
     scene = Scene(data.V[np.unique(data.cells)])
-    shell, owner = _shell(data.cells)
-    _faces(scene, data.V, shell, quality[owner])
+    shell = hex_shell(data.cells)
+    _faces(scene, data.V, shell.quads, quality[shell.owner])
     _label_quality(scene, quality, "hexes")
     scene.save(path)
 
@@ -64,8 +64,8 @@ def draw_hexes_cut(path: Path, data: MeshData) -> None:
     side = np.sign(scene.toward_viewer[axis])
     centroids = side * data.V[data.cells].mean(axis=1)[:, axis]
     kept = np.flatnonzero(centroids <= side * (points[:, axis].max() + points[:, axis].min()) / 2)
-    shell, owner = _shell(data.cells[kept])
-    _faces(scene, data.V, shell, quality[kept][owner])
+    shell = hex_shell(data.cells[kept])
+    _faces(scene, data.V, shell.quads, quality[kept][shell.owner])
     for color, edges, name in _singular_edges(data.cells):
         scene.lines(data.V, edges, color=color, width=3.0, tubes=True)
         if len(edges):
@@ -74,17 +74,10 @@ def draw_hexes_cut(path: Path, data: MeshData) -> None:
     scene.save(path)
 
 
-def _shell(H: Ints) -> tuple[Ints, Ints]:
-    """Faces (f,4) of exactly one hex, and which (f,)."""
-    faces = H[:, HEX_FACES].reshape(-1, 4)
-    _, first, use = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[first[use == 1]], first[use == 1] // len(HEX_FACES)
-
-
 def _singular_edges(H: Ints) -> list[tuple[str, Ints, str]]:
     """Interior edges of fewer and of more than four hexes."""
     edges, count = np.unique(np.sort(H[:, HEX_EDGES].reshape(-1, 2), axis=1), axis=0, return_counts=True)
-    interior = ~_among(edges, unique_edges(_shell(H)[0])[0])
+    interior = ~_among(edges, unique_edges(hex_shell(H).quads)[0])
     return [
         (FEW_COLOR, edges[interior & (count < 4)], "fewer than four hexes"),
         (MANY_COLOR, edges[interior & (count > 4)], "more than four hexes"),

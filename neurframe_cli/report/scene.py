@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Floats, Ints, Surface
-from neurframe_cli.mesh.quality.check import HEX_FACES
+from neurframe_cli.mesh.hex_shell import HEX_FACES
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.picture.mesh_pictures import quality_colors
 from neurframe_cli.picture.scene import FEATURE_COLOR

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, silent
+from neurframe_cli.mesh.hex_shell import hex_shell
 from neurframe_cli.mesh.optimize.cell_kind import HEXES
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions, smooth_cells
-from neurframe_cli.mesh.quality.check import HEX_FACES
 
 
 def smooth_hexes(
@@ -29,6 +27,4 @@ def smooth_hexes(
 
 def boundary_quads(H: Ints) -> Ints:
     """Faces (f,4) of exactly one hex, outward."""
-    faces = H[:, HEX_FACES].reshape(-1, 4)
-    _, first, use = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    return np.asarray(faces[np.sort(first[use == 1])])
+    return hex_shell(H).quads

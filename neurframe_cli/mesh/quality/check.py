@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
+from neurframe_cli.mesh.hex_shell import HEX_EDGES, HEX_FACES
 from neurframe_cli.mesh.quality.distance import surface_distance
 from neurframe_cli.mesh.quality.feature_recall import feature_recall
 from neurframe_cli.mesh.quality.polygons import (
@@ -18,12 +19,6 @@ from neurframe_cli.mesh.quality.polygons import (
     valences,
 )
 from neurframe_cli.mesh.quality.scaled_jacobian import hex_scaled_jacobians, quad_scaled_jacobians
-
-# faces of a hexahedron in VTK order, outward
-HEX_FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
-HEX_EDGES = np.array(
-    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]]
-)
 
 
 @dataclass(frozen=True)
