@@ -163,16 +163,21 @@ class Search {
     try_waiting();
   }
 
+  // Where no field of frames carries a map: a polycube has no singular lines that could stand in its way.
+  void try_polycubes() {
+    if (done()) return;
+    for (const Preparation& preparation : polycube_preparations())
+      waiting_.push_back(prepared([&] { return prepare(mesh_, preparation); }));
+    try_waiting();
+  }
+
   void retry_around_failures() {
     for (int retry = 0; retry < options_.retries && !done(); ++retry) {
       const std::vector<int> failed = failed_tets(*best_);
       if (is_hopeless(failed.size(), best_->field.mesh)) return;
-      const Preparation preparation = best_->preparation;
-      PreparedField refined =
-          prepared([&] { return prepare(refined_around(best_->field.mesh, failed), {0, 0}); });
-      refined.preparation = preparation;
       const std::size_t failures = failure_count(*best_);
-      waiting_.push_back(std::move(refined));
+      waiting_.push_back(
+          prepared([&] { return refined_around(best_->field.mesh, best_->preparation, failed); }));
       try_waiting();
       if (failure_count(*best_) >= failures) return;
     }
@@ -238,6 +243,7 @@ Parametrization parametrize(const FieldMesh& mesh, const ParametrizeOptions& opt
   Search search(mesh, options, steps);
   search.try_preparations();
   search.try_refined();
+  search.try_polycubes();
   search.retry_around_failures();
   return search.result();
 }

@@ -21,6 +21,7 @@ constexpr double restart_sources[] = {0, 0.4, 0.8};  // along the rim
 FieldMesh framed_mesh(FieldMesh mesh, const Preparation& preparation) {
   if (preparation.longest_edge > 0) bound_edge_lengths(mesh, preparation.longest_edge);
   separate_boundary(mesh);
+  if (preparation.polycube.compactness > 0) return polycube_field(std::move(mesh), preparation.polycube);
   if (preparation.diffusion_rounds > 0) {
     diffuse_frames(mesh, boundary_alignments(mesh), {preparation.diffusion_rounds});
   } else {
@@ -29,11 +30,14 @@ FieldMesh framed_mesh(FieldMesh mesh, const Preparation& preparation) {
   return mesh;
 }
 
-PreparedField matched_field(FieldMesh framed) {
+PreparedField matched_field(FieldMesh framed, const Preparation& preparation) {
   PreparedField prepared;
+  prepared.preparation = preparation;
   prepared.framed = framed;
-  match_faces(framed);
-  straighten_singular_lines(framed);
+  if (preparation.polycube.compactness == 0) {
+    match_faces(framed);
+    straighten_singular_lines(framed);
+  }
   while (separate_critical_edges(framed) + separate_boundary(framed) > 0) {
   }
   prepared.field = comb_field(std::move(framed));
@@ -55,13 +59,20 @@ double mean_edge_length(const FieldMesh& mesh) {
 }  // namespace
 
 PreparedField prepare(FieldMesh mesh, const Preparation& preparation) {
-  PreparedField prepared = matched_field(framed_mesh(std::move(mesh), preparation));
-  prepared.preparation = preparation;
-  return prepared;
+  return matched_field(framed_mesh(std::move(mesh), preparation), preparation);
 }
 
 std::vector<Preparation> usual_preparations() {
   return {{0, 0}, {0, diffusion_rounds}};
+}
+
+std::vector<Preparation> polycube_preparations() {
+  std::vector<Preparation> preparations;
+  for (const bool inner_features : {true, false}) {
+    for (const double compactness : {1.0, 3.0, 10.0})
+      preparations.push_back({0, 0, {compactness, inner_features}});
+  }
+  return preparations;
 }
 
 Preparation refined_preparation(const FieldMesh& mesh) {
@@ -114,9 +125,8 @@ class RestartSearch {
   bool attempt(const LocalRestart& restart) {
     FieldMesh framed = prepared_.framed;
     if (!restart_frames(framed, alignments_, restart)) return false;
-    PreparedField candidate = matched_field(std::move(framed));
+    PreparedField candidate = matched_field(std::move(framed), prepared_.preparation);
     if (candidate.score() >= prepared_.score()) return false;
-    candidate.preparation = prepared_.preparation;
     candidate.restarts = prepared_.restarts + 1;
     prepared_ = std::move(candidate);
     return true;
@@ -138,7 +148,8 @@ PreparedField with_local_restarts(PreparedField prepared) {
   return prepared;
 }
 
-FieldMesh refined_around(const FieldMesh& mesh, const std::vector<int>& tets) {
+PreparedField refined_around(const FieldMesh& mesh, const Preparation& preparation,
+                             const std::vector<int>& tets) {
   std::vector<std::pair<double, SplitTarget>> found;
   for (const int tet : tets) {
     for (const auto& [i, j] : tet_edges) {
@@ -152,7 +163,9 @@ FieldMesh refined_around(const FieldMesh& mesh, const std::vector<int>& tets) {
   for (auto& [length, target] : found) targets.push_back(std::move(target));
   FieldMesh refined = mesh;
   split_independent(refined, targets);
-  return refined;
+  separate_boundary(refined);
+  if (preparation.polycube.compactness == 0) align_boundary_layer(refined);
+  return matched_field(std::move(refined), preparation);
 }
 
 }  // namespace neurframe

@@ -77,6 +77,8 @@ Json describe_preparations(const std::vector<PreparationScore>& judged) {
     Json entry;
     entry["longest_edge"] = score.preparation.longest_edge;
     entry["diffusion_rounds"] = score.preparation.diffusion_rounds;
+    entry["polycube_compactness"] = score.preparation.polycube.compactness;
+    entry["polycube_inner_features"] = score.preparation.polycube.inner_features;
     entry["restarts"] = score.restarts;
     entry["tets"] = score.tets;
     entry["defect_score"] = score.defect_score;
@@ -96,6 +98,7 @@ void describe(const Parametrization& result, Json& statistics) {
   statistics["tets"] = field.mesh.tet_count();
   statistics["tries"] = result.tries;
   statistics["preparations_judged"] = describe_preparations(result.preparations_judged);
+  statistics["polycube"] = result.preparation.polycube.compactness > 0;
   statistics["feature_edges"] = field.mesh.features.size();
   statistics["singular_edges"] = field.singular.edges.size();
   statistics["singular_arcs"] = describe_arcs(field);

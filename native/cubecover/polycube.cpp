@@ -1,0 +1,94 @@
+#include "cubecover/polycube.hpp"
+
+#include <algorithm>
+
+#include "cubecover/octahedral_coefficients.hpp"
+#include "cubecover/rotation_field.hpp"
+#include "cubecover/surface_labels.hpp"
+
+namespace neurframe {
+
+namespace {
+
+constexpr int rounds = 3;  // labels, then frames; later rounds change little
+
+// The frame nearest to all those behind the boundary, weighted by area.
+Eigen::Matrix3d common_frame(const FieldMesh& mesh) {
+  FrameCoefficients sum = FrameCoefficients::Zero();
+  for (int h = 0; h < mesh.half_face_count(); ++h) {
+    if (at(mesh.twin, h) < 0) sum += area_vector(mesh, h).norm() * coefficients_of(at(mesh.frames, h / 4));
+  }
+  return nearest_frame(sum, Eigen::Matrix3d::Identity());
+}
+
+bool is_border(const BoundaryEdge& edge, const std::vector<SignedAxis>& labels) {
+  return !(at(labels, edge.begin_face) == at(labels, edge.end_face));
+}
+
+// Along a border the axis normal to neither side follows the edge, in the sense that the frames have now.
+void add_border_targets(const FieldMesh& mesh, const EdgeRings& rings, const BoundaryEdge& edge,
+                        const std::vector<SignedAxis>& labels, std::vector<AxisTarget>& targets) {
+  const int begin = at(labels, edge.begin_face).axis;
+  const int end = at(labels, edge.end_face).axis;
+  if (begin == end) return;
+  const int tangent = 3 - begin - end;
+  const Eigen::Vector3d along =
+      (at(mesh.points, edge.vertices[1]) - at(mesh.points, edge.vertices[0])).normalized();
+  const int sign = at(mesh.frames, edge.begin_face / 4).col(tangent).dot(along) < 0 ? -1 : 1;
+  for (const int h : rings.ring(static_cast<std::size_t>(edge.ring)))
+    targets.push_back({h / 4, {tangent, sign}, along});
+}
+
+std::vector<AxisTarget> axis_targets(const FieldMesh& mesh, const EdgeRings& rings,
+                                     const std::vector<BoundaryEdge>& edges,
+                                     const std::vector<SignedAxis>& labels) {
+  std::vector<AxisTarget> targets;
+  for (int h = 0; h < mesh.half_face_count(); ++h) {
+    if (at(labels, h).axis >= 0) targets.push_back({h / 4, at(labels, h), area_vector(mesh, h).normalized()});
+  }
+  for (const BoundaryEdge& edge : edges) {
+    if (is_border(edge, labels)) add_border_targets(mesh, rings, edge, labels, targets);
+  }
+  return targets;
+}
+
+// Turns the frame behind each boundary face so that its axis is along the normal exactly.
+void align_to_labels(FieldMesh& mesh, const std::vector<SignedAxis>& labels) {
+  for (int h = 0; h < mesh.half_face_count(); ++h) {
+    if (at(labels, h).axis < 0) continue;
+    Eigen::Matrix3d& frame = at(mesh.frames, h / 4);
+    frame =
+        Eigen::Quaterniond::FromTwoVectors(direction_of(frame, at(labels, h)), area_vector(mesh, h)) * frame;
+  }
+}
+
+std::vector<EdgeKey> followed_edges(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges,
+                                    const std::vector<SignedAxis>& labels, bool inner_features) {
+  std::vector<EdgeKey> followed;
+  for (const BoundaryEdge& edge : edges) {
+    const EdgeKey key = edge_key(edge.vertices[0], edge.vertices[1]);
+    if (is_border(edge, labels) || (inner_features && is_feature(mesh, key))) followed.push_back(key);
+  }
+  std::sort(followed.begin(), followed.end());
+  return followed;
+}
+
+}  // namespace
+
+FieldMesh polycube_field(FieldMesh mesh, const PolycubeLabels& options) {
+  const EdgeRings rings = edge_rings(mesh.tets, mesh.twin);
+  const Eigen::Matrix3d background = common_frame(mesh);
+  std::fill(mesh.matchings.begin(), mesh.matchings.end(), OctahedralRotation());
+  std::fill(mesh.frames.begin(), mesh.frames.end(), background);
+  const std::vector<BoundaryEdge> edges = find_boundary_edges(mesh, rings);
+  std::vector<SignedAxis> labels;
+  for (int round = 0; round < rounds; ++round) {
+    labels = surface_labels(mesh, edges, options.compactness);
+    mesh.frames = rotation_field(mesh, axis_targets(mesh, rings, edges, labels), background);
+  }
+  align_to_labels(mesh, labels);
+  mesh.features = followed_edges(mesh, edges, labels, options.inner_features);
+  return mesh;
+}
+
+}  // namespace neurframe

@@ -1,0 +1,195 @@
+#include "cubecover/surface_labels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "cubecover/max_flow.hpp"
+
+namespace neurframe {
+
+namespace {
+
+constexpr int label_count = 6;
+constexpr double fidelity_width = 0.2;      // of 1 - cosine, as in PolyCut
+constexpr double compactness_width = 0.25;  // of 1 - cosine between neighbours, as in PolyCut
+constexpr double given_up = 1e4;            // fidelity cost of a label that a patch must not have again
+constexpr int most_sweeps = 6;              // over the labels; two or three suffice
+constexpr int most_repairs = 12;
+constexpr int fewest_corners = 4;
+
+SignedAxis axis_of_label(int label) {
+  return {label / 2, label % 2 == 0 ? 1 : -1};
+}
+
+double bell(double offset, double width) {
+  return std::exp(-0.5 * offset * offset / (width * width));
+}
+
+class Labelling {
+ public:
+  Labelling(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges, double compactness)
+      : mesh_(mesh), face_of_(mesh.twin.size(), -1) {
+    for (int h = 0; h < mesh.half_face_count(); ++h) {
+      if (at(mesh.twin, h) >= 0) continue;
+      at(face_of_, h) = static_cast<int>(half_faces_.size());
+      half_faces_.push_back(h);
+    }
+    double area = 0;
+    for (const int h : half_faces_) area += area_vector(mesh, h).norm();
+    mean_area_ = area / static_cast<double>(half_faces_.size());
+    for (const BoundaryEdge& edge : edges) links_.push_back(link_of(edge, compactness));
+    set_fidelity();
+  }
+
+  void solve() {
+    for (int repair = 0; repair <= most_repairs; ++repair) {
+      expand_all();
+      if (!give_up_bad_patches()) return;
+    }
+  }
+
+  std::vector<SignedAxis> axes() const {
+    std::vector<SignedAxis> axes(mesh_.twin.size());
+    for (int f = 0; f < face_count(); ++f) at(axes, at(half_faces_, f)) = axis_of_label(at(label_, f));
+    return axes;
+  }
+
+ private:
+  struct Link {
+    int face[2];
+    double cost;  // of a border between the two, unless their labels are opposite
+  };
+
+  int face_count() const { return static_cast<int>(half_faces_.size()); }
+  Eigen::Vector3d normal(int face) const { return area_vector(mesh_, at(half_faces_, face)).normalized(); }
+
+  Link link_of(const BoundaryEdge& edge, double compactness) const {
+    Link link{{at(face_of_, edge.begin_face), at(face_of_, edge.end_face)}, 0};
+    const double bend = 1 - normal(link.face[0]).dot(normal(link.face[1]));
+    // in units of the mean edge of the surface, as fidelity is in units of the mean face
+    const double length =
+        edge_length(mesh_, edge_key(edge.vertices[0], edge.vertices[1])) / std::sqrt(mean_area_);
+    link.cost = compactness * length * bell(bend, compactness_width);
+    return link;
+  }
+
+  void set_fidelity() {
+    fidelity_.resize(static_cast<std::size_t>(label_count * face_count()));
+    label_.resize(half_faces_.size());
+    for (int f = 0; f < face_count(); ++f) {
+      const int h = at(half_faces_, f);
+      const double share = area_vector(mesh_, h).norm() / mean_area_;
+      for (int l = 0; l < label_count; ++l) {
+        const double cosine = direction_of(at(mesh_.frames, h / 4), axis_of_label(l)).dot(normal(f));
+        fidelity(f, l) = share * (1 - bell(1 - cosine, fidelity_width)) + 1e-3 * share * (1 - cosine);
+        if (fidelity(f, l) < fidelity(f, at(label_, f))) at(label_, f) = l;
+      }
+    }
+  }
+
+  double& fidelity(int face, int label) { return at(fidelity_, label_count * face + label); }
+
+  static double border_cost(const Link& link, int a, int b) {
+    if (a == b) return 0;
+    return a / 2 == b / 2 ? 2 * link.cost : link.cost;
+  }
+
+  void expand_all() {
+    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+      bool changed = false;
+      for (int l = 0; l < label_count; ++l) changed = expand(l) || changed;
+      if (!changed) return;
+    }
+  }
+
+  // The best labelling in which faces keep their labels or take this one: a minimum cut (Kolmogorov and Zabih
+  // 2004, section 4); a face on the sink's side takes it.
+  bool expand(int label) {
+    MinimumCut cut(face_count());
+    for (int f = 0; f < face_count(); ++f)
+      cut.add_node_cost(f, fidelity(f, at(label_, f)), fidelity(f, label));
+    for (const Link& link : links_) {
+      const auto [i, j] = link.face;
+      const double neither = border_cost(link, at(label_, i), at(label_, j));
+      const double second = border_cost(link, at(label_, i), label);  // only j takes it
+      const double first = border_cost(link, label, at(label_, j));   // only i takes it
+      // with x = 1 for a face that takes it: neither + (first - neither) x_i - first x_j + (...) (1 - x_i)
+      // x_j
+      cut.add_node_cost(i, 0, first - neither);
+      cut.add_node_cost(j, 0, -first);
+      cut.add_edge(i, j, first + second - neither);
+    }
+    bool changed = false;
+    const std::vector<char> takes = cut.sink_side();
+    for (int f = 0; f < face_count(); ++f) {
+      if (!at(takes, f) || at(label_, f) == label) continue;
+      at(label_, f) = label;
+      changed = true;
+    }
+    return changed;
+  }
+
+  std::vector<int> patches() const {
+    std::vector<int> parent(half_faces_.size());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int f) {
+      while (at(parent, f) != f) f = at(parent, f) = at(parent, at(parent, f));
+      return f;
+    };
+    for (const Link& link : links_) {
+      if (at(label_, link.face[0]) == at(label_, link.face[1]))
+        at(parent, root(link.face[0])) = root(link.face[1]);
+    }
+    std::vector<int> patch(half_faces_.size());
+    for (int f = 0; f < face_count(); ++f) at(patch, f) = root(f);
+    return patch;
+  }
+
+  // Per patch, named by one of its faces: the vertices where it meets two other patches.
+  std::vector<int> corner_counts(const std::vector<int>& patch) const {
+    std::vector<std::set<int>> around(mesh_.points.size());
+    for (int f = 0; f < face_count(); ++f) {
+      for (const int v : half_face_vertices(mesh_.tets, at(half_faces_, f)))
+        at(around, v).insert(at(patch, f));
+    }
+    std::vector<int> corners(half_faces_.size(), 0);
+    for (const std::set<int>& patches_here : around) {
+      if (patches_here.size() < 3) continue;
+      for (const int p : patches_here) ++at(corners, p);
+    }
+    return corners;
+  }
+
+  bool give_up_bad_patches() {
+    const std::vector<int> patch = patches();
+    const std::vector<int> corners = corner_counts(patch);
+    bool found = false;
+    for (int f = 0; f < face_count(); ++f) {
+      if (at(corners, at(patch, f)) >= fewest_corners) continue;
+      fidelity(f, at(label_, f)) += given_up;
+      found = true;
+    }
+    return found;
+  }
+
+  const FieldMesh& mesh_;
+  std::vector<int> face_of_;     // per half-face
+  std::vector<int> half_faces_;  // per face of the boundary
+  std::vector<Link> links_;
+  std::vector<double> fidelity_;
+  std::vector<int> label_;
+  double mean_area_ = 0;
+};
+
+}  // namespace
+
+std::vector<SignedAxis> surface_labels(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges,
+                                       double compactness) {
+  Labelling labelling(mesh, edges, compactness);
+  labelling.solve();
+  return labelling.axes();
+}
+
+}  // namespace neurframe
