@@ -31,7 +31,8 @@ class NeurframeError(Exception):
     exit_code = 3
 
     def __init__(self, what: str, *, hint: str | None = None) -> None:
-        super().__init__(what)
+        # a library's reason, or a file's name, may bring line ends along
+        super().__init__(" ".join(what.splitlines()))
         self.hint = hint
 
 

@@ -1,9 +1,14 @@
-"""Damage to files, for the fuzz tests: seeded, so that a finding can be made again."""
+"""Damage to files, for the fuzz tests: seeded, so that a finding can be made again; and the limits for reading them."""
 
 from __future__ import annotations
 
 import os
 import random
+import resource
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
 
 HOSTILE_NUMBERS = (-1, 0, 7, 8, 99, 2**31, 2**63, 10**30)
 HOSTILE_WORDS = (
@@ -25,6 +30,32 @@ HOSTILE_WORDS = (
 # cases per target: a few in every test run, NEURFRAME_FUZZ_CASES=5000 for a long search
 CASES = int(os.environ.get("NEURFRAME_FUZZ_CASES", "40"))
 FIRST_SEED = int(os.environ.get("NEURFRAME_FUZZ_SEED", "0"))
+
+CPU_LIMIT_S = 20  # CPU and not wall seconds: a busy machine is no hang
+READER_MEMORY_MIB = 512  # more than importing meshio and VTK takes; a file of a kilobyte needs none of it
+
+
+class StillReading(BaseException):
+    """No Exception: a reader that turns whatever a library raises into its own error must not swallow the alarm."""
+
+
+@contextmanager
+def reading_limits() -> Iterator[None]:
+    """StillReading after CPU_LIMIT_S of this process; AssertionError where its peak memory grew by too much."""
+
+    def stop(_number: int, _frame: FrameType | None) -> None:
+        raise StillReading(f"after {CPU_LIMIT_S} CPU seconds")
+
+    peak_kib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, CPU_LIMIT_S)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
+        grown_mib = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - peak_kib) >> 10
+        assert grown_mib < READER_MEMORY_MIB, f"{grown_mib} MiB for a damaged file"
 
 
 def damaged(content: bytes, rng: random.Random) -> bytes:

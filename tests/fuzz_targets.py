@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from damage import CPU_LIMIT_S
 
 from neurframe_cli.cli.configuration import read_config
 from neurframe_cli.errors import NeurframeError
@@ -30,7 +31,6 @@ from neurframe_cli.pipeline.executables import find_executable
 from neurframe_cli.pipeline.manifest import Manifest, StageRecord, read_manifest, write_manifest
 from neurframe_cli.pipeline.quad_source import read_crosses
 
-CPU_LIMIT_S = 20  # CPU and not wall seconds: a busy machine is no hang
 MEMORY_LIMIT = 4 << 30
 CUBE_V = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
 CUBE_T = np.array([[0, 1, 2, 4], [1, 3, 2, 7], [1, 4, 5, 7], [2, 6, 4, 7], [1, 2, 4, 7]])
@@ -102,6 +102,11 @@ def _write_checkpoint(folder: Path) -> None:
     (folder / "train.checkpoint").write_bytes(state_to_bytes(TrainingState(network), "key"))
 
 
+def _resume(path: Path) -> None:
+    network = FieldNetwork(Architecture(width=8), torch.Generator().manual_seed(1))
+    checkpoint_from_bytes(path.read_bytes()).restore_into(TrainingState(network))
+
+
 def _write_manifest(folder: Path) -> None:
     record = StageRecord("done", "0" * 64, options={"seed": 0}, outputs={"tets.mesh": "1" * 64})
     write_manifest(folder, Manifest({"tetize": record}))
@@ -154,7 +159,7 @@ TARGETS = (
         "checkpoint",
         "train.checkpoint",
         _write_checkpoint,
-        _reader("train.checkpoint", lambda path: checkpoint_from_bytes(path.read_bytes())),
+        _reader("train.checkpoint", _resume),
     ),
     Target("manifest", "manifest.json", _write_manifest, read_manifest),
     Target(

@@ -143,6 +143,20 @@ def test_a_checkpoint_brings_back_network_optimizer_and_numbers():
         checkpoint_from_bytes(FIELD_BYTES)
 
 
+def test_one_changed_bit_of_a_checkpoint_is_found():
+    content = bytearray(state_to_bytes(trained_state(1), "key"))
+    content[-1] ^= 1  # in the last weight
+    with pytest.raises(UnreadableFile, match="damaged"):
+        checkpoint_from_bytes(bytes(content))
+
+
+def test_a_checkpoint_of_another_network_is_refused():
+    found = checkpoint_from_bytes(state_to_bytes(trained_state(1), "key"))
+    other = TrainingState(FieldNetwork(Architecture(width=4), torch.Generator().manual_seed(0)))
+    with pytest.raises(UnreadableFile, match="does not fit the network"):
+        found.restore_into(other)
+
+
 def trained_state(steps: int) -> TrainingState:
     network = small_network()
     optimizer = MuonAndAdam(network)

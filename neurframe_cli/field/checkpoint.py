@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -15,6 +16,7 @@ from neurframe_cli.field.optimizers import Optimizer, State
 from neurframe_cli.mesh.arrays import Floats
 
 FORMAT, VERSION = "neurframe-checkpoint", 1
+NUMBERS = ("floor", "losses", "step", "seconds", "cpu_seconds")  # the state beside the tensors
 
 
 class CheckpointStore(Protocol):
@@ -53,14 +55,9 @@ def state_to_bytes(state: TrainingState, key: str) -> bytes:
         tensors |= {f"optimizer.{n}": t.cpu().contiguous() for n, t in state.optimizer.state().items()}
     if state.target is not None:
         tensors["target"] = torch.from_numpy(state.target)
-    numbers = {
-        "floor": state.floor,
-        "losses": state.losses,
-        "step": state.step,
-        "seconds": state.seconds,
-        "cpu_seconds": state.cpu_seconds,
-    }
+    numbers = {name: getattr(state, name) for name in NUMBERS}
     document = {"format": FORMAT, "version": VERSION, "key": key, "state": numbers}
+    document["sha256"] = _digest(tensors, key, numbers)
     return bytes(save(tensors, {"neurframe": json.dumps(document, sort_keys=True)}))
 
 
@@ -73,8 +70,11 @@ class Checkpoint:
     numbers: dict[str, Any]
 
     def restore_into(self, state: TrainingState) -> None:
-        """Puts all but the optimizer into the state of a fresh run."""
-        state.network.load_state_dict(self._part("network."))
+        """Puts all but the optimizer into the state of a fresh run; UnreadableFile where it is of another network."""
+        try:
+            state.network.load_state_dict(self._part("network."))
+        except RuntimeError as error:
+            raise UnreadableFile(f"the training checkpoint does not fit the network: {error}") from error
         target = self.tensors.get("target")
         state.target = None if target is None else np.asarray(target.numpy(), np.float64)
         for name, value in self.numbers.items():
@@ -89,14 +89,28 @@ class Checkpoint:
 
 
 def checkpoint_from_bytes(content: bytes) -> Checkpoint:
-    """Raises UnreadableFile where it is no checkpoint, TooNewFile where a later version wrote it."""
+    """Raises UnreadableFile where it is no whole checkpoint, TooNewFile where a later version wrote it."""
     tensors, document = read_safetensors(content, "the training checkpoint", FORMAT, VERSION)
     try:
-        return Checkpoint(tensors, str(document["key"]), dict(document["state"]))
+        key, stored = str(document["key"]), document["state"]
+        numbers = {name: stored[name] for name in NUMBERS}
+        digest = document["sha256"]
     except (KeyError, TypeError, ValueError) as error:
         raise UnreadableFile(
             f"the training checkpoint lacks {error}", hint="use --force to start anew"
         ) from error
+    if digest != _digest(tensors, key, numbers):
+        raise UnreadableFile("the training checkpoint is damaged", hint="use --force to start anew")
+    return Checkpoint(tensors, key, numbers)
+
+
+def _digest(tensors: State, key: str, numbers: dict[str, Any]) -> str:
+    """SHA-256 of everything in a checkpoint: weights that a bad disk has changed would train on without a word."""
+    shapes = {name: [str(t.dtype), list(t.shape)] for name, t in tensors.items()}
+    digest = hashlib.sha256(json.dumps([key, numbers, shapes], sort_keys=True).encode())
+    for name in sorted(tensors):
+        digest.update(tensors[name].contiguous().reshape(-1).view(torch.uint8).numpy().tobytes())
+    return digest.hexdigest()
 
 
 def read_safetensors(

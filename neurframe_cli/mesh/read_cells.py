@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from neurframe_cli.errors import InvalidMesh
+from neurframe_cli.errors import InvalidMesh, UnreadableFile
 from neurframe_cli.mesh.arrays import Floats, Ints
 from neurframe_cli.mesh.off import read_off_polygons
-from neurframe_cli.mesh.open_file import check_file, foreign_reader
+from neurframe_cli.mesh.open_file import check_file, foreign_reader, read_bytes
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,7 @@ class CellMesh:
     cells: Ints
 
 
+_END_OF_PLY_HEADER = re.compile(rb"^\s*end_header\s*$", re.MULTILINE)
 # what may stand beside the cells without being part of the mesh: hex files often list their boundary
 _ACCOMPANYING = {"hex": {"vertex", "line", "triangle", "quad"}, "quad": {"vertex", "line"}}
 
@@ -52,6 +54,8 @@ def _meshio_blocks(path: Path) -> tuple[Floats, dict[str, Ints]]:
     """Positions, and the cells by meshio's name of their kind."""
     import meshio
 
+    if path.suffix.lower() == ".ply" and not _END_OF_PLY_HEADER.search(read_bytes(path)):
+        raise UnreadableFile(f"{path}: the header does not end")  # meshio would look for its end for ever
     with foreign_reader(path, "meshio"):
         mesh = meshio.read(path)
         blocks = {kind: np.asarray(cells, np.int64) for kind, cells in mesh.cells_dict.items()}

@@ -21,17 +21,21 @@ def read_points(path: Path) -> Floats:
         if path.suffix.lower() == ".npy":
             points = np.load(path, allow_pickle=False)
         else:
-            text = path.read_text(encoding="utf-8").replace(",", " ")
-            points = np.loadtxt(text.splitlines(), ndmin=2)
+            lines = path.read_text(encoding="utf-8").replace(",", " ").splitlines()
+            points = np.loadtxt(lines, ndmin=2) if any(map(_has_numbers, lines)) else np.empty((0, 3))
         points = np.asarray(points, np.float64)
     except (OSError, ValueError, UnicodeDecodeError) as error:
         raise UnreadableFile(
             f"{path}: no table of numbers: {error}", hint="three numbers a line, or .npy"
         ) from error
     if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
-        raise InvalidMesh(f"{path}: the shape is {points.shape}, (n, 3) is needed")
+        raise InvalidMesh(f"{path}: the shape is {points.shape}, (n, 3) is needed, and at least one point")
     if not np.isfinite(points).all():
         raise InvalidMesh(
             f"{path}: point {int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])} is not finite"
         )
     return points
+
+
+def _has_numbers(line: str) -> bool:
+    return bool(line.partition("#")[0].strip())
