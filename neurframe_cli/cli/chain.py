@@ -89,20 +89,28 @@ Kind = Literal["quad", "hex"]
 
 def mesh_request(kinds: Sequence[Kind], values: Mapping[str, Any], threads: int) -> dict[Kind, MeshRequest]:
     """What is asked of each mesh, checked before anything is computed; raises UsageError or UnsupportedFormat."""
+    from neurframe_cli.mesh.filling.hybrid_files import check_hybrid_output
     from neurframe_cli.mesh.write_cells import check_output
+    from neurframe_cli.pipeline.hex_options import HexOptions
     from neurframe_cli.pipeline.mesh_step import MeshRequest
     from neurframe_cli.pipeline.native import Limits
     from neurframe_cli.pipeline.quad_source import QuadOptions
     from neurframe_cli.pipeline.sizing import DEFAULT_SCALES, element_size
+    from neurframe_cli.stages.run_netgen import require_netgen
 
     quads = QuadOptions(**{name: values[name] for name in _QUAD_OPTIONS if name in values})
+    hexes = HexOptions(padding=values.get("padding", False), fill=values.get("fill", False))
+    if hexes.fill and "hex" in kinds:
+        require_netgen()
     limits = Limits(values["timeout"], values["memory"], threads)
     requests: dict[Kind, MeshRequest] = {}
     for kind in kinds:
         if values["output"] is not None:
             check_output(values["output"], kind)
+        if values["output"] is not None and kind == "hex" and hexes.fill:
+            check_hybrid_output(values["output"])
         size = element_size(values["scale"], values["edge_length"], values.get("count"), DEFAULT_SCALES[kind])
-        requests[kind] = MeshRequest(size, values["feature_angle"], limits, values["pictures"], quads)
+        requests[kind] = MeshRequest(size, values["feature_angle"], limits, values["pictures"], quads, hexes)
     return requests
 
 
@@ -142,9 +150,14 @@ def mesh_kind(kind: Kind) -> MeshKind:
 
 
 def _export(workspace: Workspace, kind: MeshKind, output: Path | None) -> None:
+    from neurframe_cli.pipeline.fill_step import FILLED, export_filled
     from neurframe_cli.pipeline.mesh_step import export_mesh
 
-    if output is not None and (workspace / kind.outputs[0]).is_file():
+    if output is None or not (workspace / kind.outputs[0]).is_file():
+        return
+    if FILLED[0] in read_manifest(workspace.folder).stages[kind.name].outputs:
+        export_filled(workspace, output)
+    else:
         export_mesh(workspace, kind, output)
 
 
@@ -199,5 +212,21 @@ def summary(stage: str, report: Mapping[str, Any]) -> list[str]:
             f"{mesh['cells']} {'quads' if stage == 'quad' else 'hexes'}, scaled Jacobian "
             f"{mesh['min_scaled_jacobian']:.3f} (worst) {mesh['mean_scaled_jacobian']:.3f} (mean)",
             f"distance to the input {100 * mesh['hausdorff']:.2f} % of the diagonal",
+            *_hex_summary(report),
         ]
     return [", ".join(f"{value} {name}" for name, value in report.items())]
+
+
+def _hex_summary(report: Mapping[str, Any]) -> list[str]:
+    """How much of the volume is in hexes where that is not all of it, and what the rest was filled with."""
+    share, filled = report["mesh"].get("valid_volume_share"), report.get("filled")
+    lines = []
+    if share is not None and report.get("problems"):
+        lines.append(f"{100 * share:.1f} % of the volume in hexes that are not inverted")
+    if filled and "error" not in filled:
+        lines.append(
+            f"filled: {filled['hexes']} hexes ({100 * filled['hex_volume_share']:.1f} % of the volume), "
+            f"{filled['pyramids']} pyramids, {filled['tets']} tets, "
+            f"{'conforming' if filled['valid'] else 'NOT VALID'}"
+        )
+    return lines

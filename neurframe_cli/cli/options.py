@@ -218,6 +218,19 @@ quad_options = options(
     ),
 )
 
+hex_options = options(
+    click.option(
+        "--padding",
+        is_flag=True,
+        help="Add a layer of hexes along the boundary, where that makes nothing worse.",
+    ),
+    click.option(
+        "--fill",
+        is_flag=True,
+        help="Where the hexes are not valid, write a conforming mesh with pyramids and tets in their voids, too.",
+    ),
+)
+
 scale_option = click.option(
     "--scale",
     type=_positive,
@@ -268,6 +281,7 @@ run_options = options(
     train_options,
     discretize_options,
     quad_options,
+    hex_options,
     seed_option,
     click.option("--report/--no-report", default=True, show_default=True, help="Write report.html."),
 )

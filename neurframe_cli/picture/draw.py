@@ -15,19 +15,22 @@ import neurframe_cli
 from neurframe_cli.errors import ChildCrashed, StageError
 from neurframe_cli.mesh.arrays import Progress, silent
 from neurframe_cli.picture.field_data import FieldData
-from neurframe_cli.picture.mesh_data import MeshData
+from neurframe_cli.picture.mesh_data import HybridData, MeshData
 from neurframe_cli.process.run_child import run_child
 
 # the pictures that can be asked for
 FIELD_PICTURES = ("crosses", "singular", "frames", "tets", "singularities", "streamlines")
-MESH_PICTURES = ("quads", "hexes", "hexes_cut")
+MESH_PICTURES = ("quads", "hexes", "hexes_cut", "hexes_trouble")
+HYBRID_PICTURES = ("filled",)
 TIMEOUT_S = 600.0
 # how VTK finds a place to draw in
 _DISPLAY_VARIABLES = ("DISPLAY", "XAUTHORITY", "XDG_RUNTIME_DIR", "VTK_DEFAULT_OPENGL_WINDOW")
 
 
-def draw(pictures: Mapping[str, Path], data: FieldData | MeshData, progress: Progress = silent) -> None:
-    """Draws PNG files: name, one of FIELD_PICTURES or MESH_PICTURES as the data are, -> path.
+def draw(
+    pictures: Mapping[str, Path], data: FieldData | MeshData | HybridData, progress: Progress = silent
+) -> None:
+    """Draws PNG files: name, one of FIELD_PICTURES, MESH_PICTURES or HYBRID_PICTURES as the data are, -> path.
 
     Raises StageError where nothing can be drawn on this machine, TimedOut after ten minutes.
     """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,8 @@ from neurframe_cli.picture.scene import Scene, polydata
 QUALITY_RAMP = ((0.0, "#b2182b"), (0.3, "#ef8a62"), (0.6, "#fddbc7"), (0.8, "#e9eef4"), (1.0, "#c3d5ea"))
 FEW_COLOR, MANY_COLOR = "#2f6fd0", "#c8322b"
 EDGE_COLOR = "#39424d"
+# of the places in a mesh that is not valid, in the order in which they are named
+PLACE_COLORS = ("#2f6fd0", "#e0912f", "#3a9a5b", "#8b5fbf", "#222222")
 
 
 def draw_quads(path: Path, data: MeshData) -> None:
@@ -71,6 +74,27 @@ def draw_hexes_cut(path: Path, data: MeshData) -> None:
         if len(edges):
             scene.label(color, f"{name}: {len(edges)} edges")
     _label_quality(scene, quality, "hexes")
+    scene.save(path)
+
+
+def draw_hexes_trouble(path: Path, data: MeshData) -> None:
+    """PNG of the inverted hexes in the outline of all of them, with the places that the data name."""
+    quality = hex_scaled_jacobians(data.V, data.cells).min(axis=1)
+    scene = Scene(data.V[np.unique(data.cells)])
+    shell = hex_shell(data.cells).quads
+    scene.surface(data.V, triangulated(shell), opacity=0.18)
+    scene.lines(data.V, unique_edges(shell)[0], color="#c4ccd6", width=0.6)
+    inverted = data.cells[quality <= 0]
+    if len(inverted):
+        quads = hex_shell(inverted).quads
+        scene.surface(data.V, triangulated(quads), color=QUALITY_RAMP[0][1])
+        scene.lines(data.V, unique_edges(quads)[0], color=EDGE_COLOR, width=1.2)
+        scene.label(QUALITY_RAMP[0][1], f"{len(inverted)} of {len(quality)} hexes inverted")
+    for color, (what, points) in zip(itertools.cycle(PLACE_COLORS), data.places.items(), strict=False):
+        if len(points):
+            marks = polydata(points)
+            scene.plotter.add_mesh(marks, color=color, point_size=13, render_points_as_spheres=True)
+        scene.label(color, what)
     scene.save(path)
 
 

@@ -5,19 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from neurframe_cli.field.fra import frame_count
 from neurframe_cli.mesh.optimize.smooth import SmoothOptions
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.mesh.read_surface import read_surface
+from neurframe_cli.picture.mesh_data import MeshData
 from neurframe_cli.pipeline.atomic import atomic_path
 from neurframe_cli.pipeline.discretize_step import FRAMES_FRA
+from neurframe_cli.pipeline.fill_step import FILLED, FILLED_PICTURE, fill_step
 from neurframe_cli.pipeline.forecast import Amount, expected_hexes
 from neurframe_cli.pipeline.mesh_step import MadeMesh, MeshKind, MeshRequest, Model, extract, mesh_step, part
 from neurframe_cli.pipeline.native import run_program
+from neurframe_cli.pipeline.pictures import draw_or_warn
+from neurframe_cli.pipeline.report_trouble import defects_of
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.tetize_step import FEATURES, SURFACE, TETS
 from neurframe_cli.pipeline.workspace import Workspace
+from neurframe_cli.stages.pad_hexes import PaddedMesh, padded_hexes
 from neurframe_cli.stages.smooth_hexes import smooth_hexes
 
 
@@ -25,7 +33,7 @@ def hex_step(workspace: Workspace, request: MeshRequest) -> Step:
     """The stage bound to its files (paper, section 5.1.2)."""
     inputs = {name: workspace.require(name, "tetize INPUT") for name in (SURFACE, TETS, FEATURES)}
     inputs[FRAMES_FRA] = workspace.require(FRAMES_FRA, "discretize")
-    return mesh_step(HEX, inputs, request, lambda: read_surface(inputs[SURFACE]), {})
+    return mesh_step(HEX, inputs, request, lambda: read_surface(inputs[SURFACE]), asdict(request.hexes))
 
 
 def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, request: MeshRequest) -> MadeMesh:
@@ -42,10 +50,44 @@ def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, reque
     extraction, raw = extract(HEX, context, request.limits, parametrization, part(context.progress, 0.5, 0.7))
     progress = part(context.progress, 0.7, 0.9)
     smoothed = smooth_hexes(raw.V, raw.cells, model.surface, model.features, SmoothOptions(), progress)
-    cells = CellMesh(raw.kind, smoothed.V, raw.cells)
-    return MadeMesh(cells, parametrization, extraction, {"smoothing": asdict(smoothed.report)})
+    cells, report = CellMesh(raw.kind, smoothed.V, raw.cells), {"smoothing": asdict(smoothed.report)}
+    if request.hexes.padding:
+        progress = part(context.progress, 0.9, 0.95)
+        padded = padded_hexes(smoothed, raw.cells, model.surface, model.features, SmoothOptions(), progress)
+        cells = CellMesh(raw.kind, padded.smoothed.V, padded.cells)
+        report["padding"] = {"kept": padded.kept, "padded": asdict(padded.padded)}
+        if not padded.kept:
+            context.warn(f"the hexes are not padded, that made them worse: {_padding_numbers(padded)}")
+    return MadeMesh(cells, parametrization, extraction, report)
 
 
+def _padding_numbers(padded: PaddedMesh) -> str:
+    numbers = padded.padded
+    return (
+        f"{numbers.inverted} inverted, worst scaled Jacobian {numbers.min_scaled_jacobian:.3f} "
+        f"instead of {padded.smoothed.report.after.min_scaled_jacobian:.3f}"
+    )
+
+
+def _complete(
+    context: StageContext, inputs: Mapping[str, Path], made: MadeMesh, request: MeshRequest
+) -> dict[str, Any]:
+    """A picture of where and why the hexes are not valid, and the filled mesh where it was asked for."""
+    if request.pictures:
+        places = {
+            f"{defect['count']} {defect['what']}": np.array(defect["places"], np.float64).reshape(-1, 3)
+            for defect in defects_of(
+                {"parametrization": made.parametrization.statistics, "extraction": made.extraction.statistics}
+            )
+        }
+        data = MeshData(made.cells.V, made.cells.cells, places)
+        draw_or_warn(context, {"hexes_trouble": TROUBLE_PICTURE}, data)
+    if not request.hexes.fill:
+        return {}
+    return {"filled": fill_step(context, inputs, made.cells, request.limits, pictures=request.pictures)}
+
+
+TROUBLE_PICTURE = "hex-trouble.png"
 HEX = MeshKind(
     name="hex",
     map_name="map.hexex",
@@ -53,4 +95,6 @@ HEX = MeshKind(
     extractor="hexex",
     pictures={"hexes": "hex.png", "hexes_cut": "hex-cut.png"},
     make=_make,
+    complete=_complete,
+    extras=(TROUBLE_PICTURE, *FILLED, FILLED_PICTURE),
 )

@@ -16,6 +16,7 @@ from neurframe_cli.mesh.write_cells import write_cells
 from neurframe_cli.picture.mesh_data import MeshData
 from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
 from neurframe_cli.pipeline.checking import check_file
+from neurframe_cli.pipeline.hex_options import HexOptions
 from neurframe_cli.pipeline.native import Limits, ProgramResult, run_program
 from neurframe_cli.pipeline.pictures import draw_or_warn
 from neurframe_cli.pipeline.quad_source import QuadOptions
@@ -26,13 +27,14 @@ from neurframe_cli.pipeline.workspace import Workspace
 
 @dataclass(frozen=True)
 class MeshRequest:
-    """What the user asked for; `quads` matters for quads only."""
+    """What the user asked for; `quads` matters for quads only, `hexes` for hexes."""
 
     size: ElementSize
     feature_angle_deg: float
     limits: Limits
     pictures: bool
     quads: QuadOptions = field(default_factory=QuadOptions)
+    hexes: HexOptions = field(default_factory=HexOptions)
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,15 @@ class MadeMesh:
 
 # make(context, inputs, model, request)
 Maker = Callable[[StageContext, Mapping[str, Path], Model, MeshRequest], MadeMesh]
+# complete(context, inputs, mesh, request): what else is made of a mesh that is not valid, and its report
+Completer = Callable[[StageContext, Mapping[str, Path], MadeMesh, MeshRequest], dict[str, Any]]
+
+
+def nothing_more(
+    context: StageContext, inputs: Mapping[str, Path], made: MadeMesh, request: MeshRequest
+) -> dict[str, Any]:
+    """A mesh that is not valid is left as it is."""
+    return {}
 
 
 @dataclass(frozen=True)
@@ -62,7 +73,7 @@ class MeshKind:
     """How one kind of mesh is made.
 
     outputs: its files in the workspace, the first one is read back for the check; pictures: file by name of the
-    drawing; extractor: the program that reads the map.
+    drawing; extractor: the program that reads the map; extras: files that `complete` may write.
     """
 
     name: Literal["quad", "hex"]
@@ -71,6 +82,8 @@ class MeshKind:
     extractor: str
     pictures: Mapping[str, str]
     make: Maker
+    complete: Completer = nothing_more
+    extras: tuple[str, ...] = ()
 
 
 def mesh_step(
@@ -89,6 +102,7 @@ def mesh_step(
         verdict = _write(kind, context, made.cells, surface, features)
         if request.pictures:
             draw_or_warn(context, kind.pictures, MeshData(made.cells.V, made.cells.cells))
+        more = {} if verdict.valid else kind.complete(context, inputs, made, request)
         context.invalid = _what_is_wrong(kind, made, verdict)
         return {
             "parametrization": made.parametrization.statistics,
@@ -96,13 +110,14 @@ def mesh_step(
             **made.report,
             "mesh": verdict.numbers,
             "problems": verdict.problems,
+            **more,
         }
 
     return Step(
         name=kind.name,
         version=1,
         inputs=inputs,
-        outputs=(kind.map_name, *kind.outputs, *kind.pictures.values()),
+        outputs=(kind.map_name, *kind.outputs, *kind.pictures.values(), *kind.extras),
         options={
             **asdict(request.size),
             "feature_angle_deg": request.feature_angle_deg,

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from neurframe_cli.pipeline.manifest import Manifest, StageRecord
+from neurframe_cli.pipeline.manifest import Manifest
 
 # what the executables count in their statistics -> what it is called in a report
 _QUAD_PLACES = {
@@ -21,14 +21,20 @@ def troubles(manifest: Manifest) -> list[dict[str, Any]]:
     Defects of a stage whose mesh is valid are none: they are not listed.
     """
     return [
-        {"stage": name, "status": record.status, "error": record.error, "defects": list(_defects(record))}
+        {
+            "stage": name,
+            "status": record.status,
+            "error": record.error,
+            "defects": list(defects_of(record.report)),
+        }
         for name, record in manifest.stages.items()
         if record.status != "done"
     ]
 
 
-def _defects(record: StageRecord) -> Iterator[dict[str, Any]]:
-    parametrization = _table(record.report, "parametrization")
+def defects_of(report: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """What the two programs of a mesh stage found wrong with its map and its cells: `what`, `count`, `places`."""
+    parametrization = _table(report, "parametrization")
     for group in ("defects", "map"):
         for what, entry in _table(parametrization, group).items():
             if isinstance(entry, dict) and entry.get("count"):
@@ -37,7 +43,7 @@ def _defects(record: StageRecord) -> Iterator[dict[str, Any]]:
     for key, name in _QUAD_PLACES.items():
         if places := parametrization.get(f"{key}_at"):
             yield _defect(name, len(places), places)
-    lost = _table(_table(record.report, "extraction"), "lost_cells")
+    lost = _table(_table(report, "extraction"), "lost_cells")
     if lost.get("total"):
         places = [entry.get("at") for entry in lost.get("places") or [] if isinstance(entry, dict)]
         causes = ", ".join(f"{count} x {cause}" for cause, count in _table(lost, "causes").items())

@@ -69,16 +69,18 @@ def check_hexes(V: Floats, H: Ints, against: Surface, features: Features, option
     _, first, use = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     shell = faces[first[use == 1]]
     shell_edges, shell_use = unique_edges(shell)
+    worst, volume = hex_scaled_jacobians(V, H).min(axis=1), enclosed_volume(against.V, against.F)
     repeated = int((np.diff(np.sort(H, axis=1), axis=1) == 0).any(axis=1).sum())
     numbers = {
         "kind": "hex",
         "cells": len(H),
-        **_jacobian_numbers(hex_scaled_jacobians(V, H).min(axis=1)),
+        **_jacobian_numbers(worst),
         "repeated_corners": repeated,
         "faces_in_over_two": int((use > 2).sum()),
         "open_shell_edges": int((shell_use != 2).sum()),
         "interior_singular_edges": _interior_singular_edges(H, shell_edges),
-        "volume_ratio": _enclosed_volume(V, triangulated(shell)) / _enclosed_volume(against.V, against.F),
+        "volume_ratio": enclosed_volume(V, triangulated(shell)) / volume,
+        "valid_volume_share": float(_hex_volumes(V, H[worst > 0.0]).sum()) / volume,
     }
     problems = [f"{repeated} cells repeat a corner"] if repeated else []
     if (use > 2).any():
@@ -106,7 +108,17 @@ def _interior_singular_edges(H: Ints, shell_edges: Ints) -> int:
     return int(((cells != 4) & ~on_shell).sum())
 
 
-def _enclosed_volume(V: Floats, F: Ints) -> float:
+def _hex_volumes(V: Floats, H: Ints) -> Floats:
+    """Volume (n,) of hexes (n,8) with two triangles a face."""
+    P = V[H]
+    quads = P[:, HEX_FACES] - P.mean(axis=1)[:, None, None]
+    a, b, c, d = np.moveaxis(quads, 2, 0)
+    cones = np.einsum("nfi,nfi->nf", a, np.cross(b, c) + np.cross(c, d))
+    return np.asarray(cones.sum(axis=1) / 6)
+
+
+def enclosed_volume(V: Floats, F: Ints) -> float:
+    """Volume inside the closed surface V (n,3), F (m,3), outward."""
     A, B, C = (V[F[:, i]] for i in range(3))
     return float(np.einsum("ij,ij->i", A, np.cross(B, C)).sum() / 6)
 

@@ -1,0 +1,14 @@
+"""What `neurframe hex` can be told beside the size."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class HexOptions:
+    """padding: a layer of hexes along the whole boundary; fill: where the mesh is not valid, a second one in which
+    pyramids and tets take the place of the hexes that are missing or bad."""
+
+    padding: bool = False
+    fill: bool = False
