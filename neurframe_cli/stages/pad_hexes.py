@@ -8,10 +8,12 @@ import numpy as np
 
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, silent
 from neurframe_cli.mesh.hex_shell import HEX_EDGES, hex_shell
+from neurframe_cli.mesh.optimize.improve import quad_normals
 from neurframe_cli.mesh.optimize.smooth import MeshNumbers, SmoothedMesh, SmoothOptions
 from neurframe_cli.stages.smooth_hexes import smooth_hexes
 
 LAYER = 0.4  # share of the hexes at the boundary that the layer takes before smoothing
+SMOOTH = 0.7  # least cosine between the normals of two quads on one side although a single hex has both
 GOOD_ENOUGH = 0.2  # worst scaled Jacobian with which a padded mesh is taken although the other's was better
 
 
@@ -56,19 +58,19 @@ def _no_worse(new: MeshNumbers, old: MeshNumbers, hausdorff_limit: float) -> boo
 def pad_hexes(V: Floats, H: Ints) -> tuple[Floats, Ints]:
     """Positions (m,3) and hexes (k,8), H (n,8) first: one more layer under each side of the boundary.
 
-    A side ends at edges of a single hex: there the layers of two sides cross, as in a grid, instead of meeting in
-    wedges of 45 degrees (pillowing, Mitchell and Tautges 1995, side by side).  Outer vertices are where the old
-    ones were; these move inward.
+    A side ends at sharp edges of a single hex: there the layers of two sides cross, as in a grid, instead of meeting
+    in wedges of 45 degrees (pillowing, Mitchell and Tautges 1995, side by side).  A hex with two faces on one smooth
+    side gets two hexes before it.  Outer vertices are where the old ones were; these move inward.
     """
     quads = hex_shell(H).quads
-    side = _sides(H, quads)
+    side = _sides(V, H, quads)
     for number in range(int(side.max()) + 1):
         V, H, quads, side = _pad_side(V, H, quads, side, number)
     return V, H
 
 
-def _sides(H: Ints, quads: Ints) -> Ints:
-    """Side (f,) of each shell quad (f,4): linked across edges of more than one hex."""
+def _sides(V: Floats, H: Ints, quads: Ints) -> Ints:
+    """Side (f,) of each shell quad (f,4): linked across edges of more than one hex, and across smooth ones."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -77,8 +79,11 @@ def _sides(H: Ints, quads: Ints) -> Ints:
     keys = _keys(np.stack([quads, np.roll(quads, -1, axis=1)], axis=2).reshape(-1, 2), size)
     order = np.argsort(keys, kind="stable")
     paired = keys[order][1:] == keys[order][:-1]
-    crossed = hexes[np.searchsorted(all_edges, keys[order][1:])] > 1
-    one, other = order[:-1][paired & crossed] // 4, order[1:][paired & crossed] // 4
+    one, other = order[:-1] // 4, order[1:] // 4
+    normal = quad_normals(V, quads)
+    smooth = np.einsum("ed,ed->e", normal[one], normal[other]) > SMOOTH
+    linked = paired & ((hexes[np.searchsorted(all_edges, keys[order][1:])] > 1) | smooth)
+    one, other = one[linked], other[linked]
     links = coo_matrix((np.ones(len(one)), (one, other)), shape=(len(quads), len(quads)))
     return np.asarray(connected_components(links, directed=False)[1], np.int64)
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from neurframe_cli.mesh.arrays import Bools, Floats, Ints
 from neurframe_cli.mesh.optimize.feature_curves import FeatureCurves
-from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
+from neurframe_cli.mesh.optimize.simplex_tree import SMALLEST, SimplexTree
 from neurframe_cli.mesh.quality.polygons import unique_edges
 
 LENGTH_COST = 1e-3  # of an edge that lies on the curve: the shorter of two good paths is taken
@@ -46,7 +46,8 @@ class _Graph:
         from scipy.spatial import cKDTree
 
         self.X, self.edges = X, edges
-        self.lengths = np.linalg.norm(X[edges[:, 1]] - X[edges[:, 0]], axis=1)
+        # an edge without length, where an extraction joined two places, is merely dear
+        self.lengths = np.maximum(np.linalg.norm(X[edges[:, 1]] - X[edges[:, 0]], axis=1), SMALLEST)
         ends, twice = edges.ravel(), np.repeat(self.lengths, 2)
         count = np.maximum(np.bincount(ends, minlength=len(X)), 1)
         self.reach = np.bincount(ends, twice, minlength=len(X)) / count  # mean edge length at each vertex
