@@ -27,7 +27,7 @@ def ovm_cells(path: Path) -> Cells:
     An integer edge property with `feature` in its name marks feature edges, as AlgoHex writes it.  Raises
     UnreadableFile for a broken file, InvalidMesh naming the first cell that is no tet.
     """
-    lines = _Lines(path)
+    lines = OvmLines(path)
     lines.expect("OVM ASCII")
     V = np.array([lines.floats(3) for _ in range(lines.count("Vertices"))]).reshape(-1, 3)
     edges = np.array([lines.integers(2) for _ in range(lines.count("Edges"))], np.int64).reshape(-1, 2)
@@ -84,7 +84,7 @@ def _check_range(path: Path, what: str, indices: Ints, count: int) -> None:
         raise InvalidMesh(f"{path}: {what} {int(indices[wrong][0])} does not exist, there are {count}")
 
 
-def _feature_edges(lines: _Lines, edge_count: int) -> Bools:
+def _feature_edges(lines: OvmLines, edge_count: int) -> Bools:
     """Which edges a property marks as features."""
     marked = np.zeros(edge_count, np.bool_)
     while (line := lines.next_or_none()) is not None:
@@ -99,7 +99,7 @@ def _feature_edges(lines: _Lines, edge_count: int) -> Bools:
     return marked
 
 
-class _Lines:
+class OvmLines:
     """The lines of a file that say something, one after the other."""
 
     def __init__(self, path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Reading quad and hex meshes: OFF, and whatever format meshio knows."""
+"""Reading quad and hex meshes: OFF, OVM, and whatever format meshio knows."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from neurframe_cli.errors import InvalidMesh, UnreadableFile
 from neurframe_cli.mesh.arrays import Floats, Ints
 from neurframe_cli.mesh.off import read_off_polygons
 from neurframe_cli.mesh.open_file import check_file, foreign_reader, read_bytes
+from neurframe_cli.mesh.ovm_hexes import hexes_of_ovm
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,8 @@ def read_cells(path: Path) -> CellMesh:
     coordinate is no use.
     """
     check_file(path)
-    V, blocks = _off_blocks(path) if path.suffix.lower() == ".off" else _meshio_blocks(path)
+    own = {".off": _off_blocks, ".ovm": _ovm_blocks}
+    V, blocks = own.get(path.suffix.lower(), _meshio_blocks)(path)
     kind, name = ("hex", "hexahedron") if "hexahedron" in blocks else ("quad", "quad")
     if name not in blocks:
         raise InvalidMesh(f"{path}: no quads and no hexahedra, only {', '.join(sorted(blocks)) or 'nothing'}")
@@ -60,6 +62,12 @@ def _meshio_blocks(path: Path) -> tuple[Floats, dict[str, Ints]]:
         mesh = meshio.read(path)
         blocks = {kind: np.asarray(cells, np.int64) for kind, cells in mesh.cells_dict.items()}
         return np.asarray(mesh.points, np.float64), blocks
+
+
+def _ovm_blocks(path: Path) -> tuple[Floats, dict[str, Ints]]:
+    """The same of an OpenVolumeMesh, which meshio does not know."""
+    V, hexes = hexes_of_ovm(path)
+    return V, {"hexahedron": hexes}
 
 
 def _off_blocks(path: Path) -> tuple[Floats, dict[str, Ints]]:

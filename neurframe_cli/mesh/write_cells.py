@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurframe_cli.errors import UnsupportedFormat
+from neurframe_cli.mesh.ovm_hexes import ovm_of_hexes
 from neurframe_cli.mesh.read_cells import CellMesh
+
+EXODUS_EXTENSIONS = (".e", ".exo", ".ex2")
 
 # what the writers of meshio cannot do with quads or hexes is refused by name here instead of half done
 FORMATS = {
     "quad": (".obj", ".ply", ".off", ".vtk", ".vtu", ".mesh", ".msh", ".inp", ".bdf", ".glb"),
-    "hex": (".vtk", ".vtu", ".mesh", ".msh", ".inp", ".bdf"),
+    "hex": (".vtk", ".vtu", ".mesh", ".msh", ".inp", ".bdf", ".ovm", *EXODUS_EXTENSIONS),
 }
 
 
@@ -24,6 +28,10 @@ def check_output(path: Path, kind: str) -> None:
         raise UnsupportedFormat(
             f"{path}: no {kind} mesh is written as {path.suffix or 'a file without extension'}",
             hint="formats: " + ", ".join(FORMATS[kind]),
+        )
+    if path.suffix.lower() in EXODUS_EXTENSIONS and importlib.util.find_spec("netCDF4") is None:
+        raise UnsupportedFormat(
+            f"{path}: Exodus needs netCDF4, which is not installed", hint="pip install 'neurframe[exodus]'"
         )
 
 
@@ -41,6 +49,11 @@ def write_cells(path: Path, mesh: CellMesh) -> None:
         path.write_bytes(_ply(mesh))
     elif suffix == ".glb":
         _write_glb(path, mesh)
+    elif suffix == ".ovm":
+        path.write_text(ovm_of_hexes(mesh.V, mesh.cells), encoding="ascii")
+    elif suffix in EXODUS_EXTENSIONS:
+        # 32 bits: VTK's reader, and so ParaView, takes connectivity of 64 bits for zeros
+        _through_meshio(path, CellMesh(mesh.kind, mesh.V, mesh.cells.astype(np.int32)))
     else:
         _through_meshio(path, mesh)
 
