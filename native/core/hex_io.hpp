@@ -83,8 +83,8 @@ inline HexSkeleton hex_skeleton(const HexMesh& mesh) {
         skeleton.faces.push_back({half_edge(face[0], face[1]), half_edge(face[1], face[2]),
                                   half_edge(face[2], face[3]), half_edge(face[3], face[0])});
       }
-      // the half-faces of a cell look inward, as OpenVolumeMesh and AlgoHex write them; the first hex has added
-      // the face as seen from outside
+      // the half-faces of a cell look inward, as OpenVolumeMesh and AlgoHex write them; the first hex has
+      // added the face as seen from outside
       cell[f] = 2 * found->second + (added ? 1 : 0);
     }
     skeleton.cells.push_back(cell);

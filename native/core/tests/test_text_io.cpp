@@ -133,8 +133,8 @@ static void test_hex_writers() {
   CHECK_THROWS(write_hex_mesh(scratch_path("cube.xyz"), cube), InputError, "unknown format");
 }
 
-// Two hexes that share the face 4 5 6 7: 20 edges, 11 faces, and the second hex sees the shared one from
-// behind.
+// Two hexes that share the face 4 5 6 7: 20 edges, 11 faces, and the half-faces look inward: the first hex,
+// whose outward face was added, has the back of it, the second one the front.
 static void test_ovm() {
   HexMesh column;
   for (int z = 0; z < 3; ++z) {
@@ -145,7 +145,7 @@ static void test_ovm() {
   column.H = {{0, 1, 2, 3, 4, 5, 6, 7}, {4, 5, 6, 7, 8, 9, 10, 11}};
   const detail::HexSkeleton skeleton = detail::hex_skeleton(column);
   CHECK(skeleton.edges.size() == 20 && skeleton.faces.size() == 11);
-  CHECK(skeleton.cells[0][1] == 2 && skeleton.cells[1][0] == 3);
+  CHECK(skeleton.cells[0][1] == 3 && skeleton.cells[1][0] == 2);
   write_hex_mesh(scratch_path("column.ovm"), column);
   CHECK(read_file(scratch_path("column.ovm")).starts_with("OVM ASCII\nVertices\n12\n0 0 0\n"));
 }
