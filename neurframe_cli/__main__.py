@@ -2,14 +2,37 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
-from neurframe_cli.cli.main import run_command_line
+INTERRUPTED = 130
 
 
 def main() -> None:
     """Run the command line and leave with the documented exit code."""
-    sys.exit(run_command_line(sys.argv[1:]))
+    _open_standard_streams()
+    try:
+        from neurframe_cli.cli.main import run_command_line
+
+        code = run_command_line(sys.argv[1:])
+    except KeyboardInterrupt:  # while the program was being loaded, or a second one while it was ending
+        code = INTERRUPTED
+    sys.exit(code)
+
+
+def _open_standard_streams() -> None:
+    """Give a program that was started without standard streams such as lead nowhere.
+
+    Otherwise the next files that are opened become the standard streams, and an artifact gets what is printed.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # the lowest number that is free is this one
+    sys.stdin = sys.stdin or os.fdopen(0, encoding="utf-8", closefd=False)
+    sys.stdout = sys.stdout or os.fdopen(1, "w", encoding="utf-8", closefd=False)
+    sys.stderr = sys.stderr or os.fdopen(2, "w", encoding="utf-8", closefd=False)
 
 
 if __name__ == "__main__":

@@ -12,8 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-import click
-
+from neurframe_cli.cli.streams import show, tell
 from neurframe_cli.errors import UsageError
 
 if TYPE_CHECKING:  # arrays.py loads numpy, which --help has no time for
@@ -55,7 +54,7 @@ class Console:
 
     def result(self, text: str) -> None:
         """What the command was asked for, on stdout."""
-        click.echo(text)
+        show(text)
 
     @property
     def is_live(self) -> bool:
@@ -141,7 +140,7 @@ class _PlainProgress:
         self.last = now
         elapsed = now - self.started
         eta = f", eta {elapsed * (1 - fraction) / fraction:.0f} s" if fraction > 0 else ""
-        click.echo(f"{self.title}: {fraction:.0%} {text} ({elapsed:.0f} s{eta})", err=True)
+        tell(f"{self.title}: {fraction:.0%} {text} ({elapsed:.0f} s{eta})")
 
 
 class _ScreenFormatter(logging.Formatter):
@@ -158,7 +157,7 @@ class _ScreenHandler(logging.Handler):
         self.setFormatter(_ScreenFormatter())
 
     def emit(self, record: logging.LogRecord) -> None:
-        click.echo(self.format(record), err=True)
+        tell(self.format(record))
 
 
 class _JsonFormatter(logging.Formatter):
@@ -171,9 +170,21 @@ class _JsonFormatter(logging.Formatter):
         return json.dumps(line)
 
 
+class _JsonHandler(logging.FileHandler):
+    """A log that cannot be written any more is no reason to stop the work: it is said once."""
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        self.addFilter(lambda record: False)
+        tell(f"warning: the log {self.baseFilename} ends here: {sys.exc_info()[1]}")
+
+    def close(self) -> None:
+        with contextlib.suppress(OSError):  # what is still in the buffer, when the disk is full
+            super().close()
+
+
 def _json_handler(path: Path) -> logging.Handler:
     try:
-        handler = logging.FileHandler(path, encoding="utf-8")
+        handler = _JsonHandler(path, encoding="utf-8")
     except OSError as error:
         raise UsageError(f"cannot write the log file {path}: {error.strerror}") from error
     handler.setFormatter(_JsonFormatter())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import io
 import os
 import signal
 import sys
@@ -16,9 +15,10 @@ from click.shell_completion import shell_complete
 
 from neurframe_cli import __version__
 from neurframe_cli.cli.settings import GLOBAL_OPTIONS, Settings
-from neurframe_cli.errors import NeurframeError, UsageError
+from neurframe_cli.cli.streams import lead_nowhere, tell, tolerate_every_character
+from neurframe_cli.errors import Cancelled, NeurframeError, UsageError
 
-INTERRUPTED = 130
+INTERRUPTED = Cancelled.exit_code
 PROGRAM = "neurframe"
 COMPLETE_VARIABLE = "_NEURFRAME_COMPLETE"  # set by the completion script that a shell has loaded
 
@@ -77,10 +77,7 @@ def group(ctx: click.Context, /, **values: Any) -> None:
 def run_command_line(arguments: Sequence[str]) -> int:
     """Run `neurframe ARGUMENTS`; returns the exit code, after one line on stderr where it is not 0."""
     signal.signal(signal.SIGTERM, _interrupt)
-    # a name that the locale has no characters for is no reason to fail
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
+    tolerate_every_character()
     instruction = os.environ.get(COMPLETE_VARIABLE)
     if instruction is not None:
         return shell_complete(group, {}, PROGRAM, COMPLETE_VARIABLE, instruction)
@@ -103,10 +100,12 @@ def run_command_line(arguments: Sequence[str]) -> int:
     except (KeyboardInterrupt, click.Abort):
         _say("interrupted", "run the same command again to go on from here")
         return INTERRUPTED
-    except BrokenPipeError:
-        # the reader of our output has gone; keep Python from complaining about it again at exit
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except BrokenPipeError:  # of --help, which click writes
+        lead_nowhere(1)
         return 0
+    except OSError as error:
+        _say(f"error: {error.filename or 'the system'}: {error.strerror or error}")
+        return NeurframeError.exit_code
     except Exception as error:
         return _internal_error(error)
 
@@ -122,9 +121,9 @@ def _help_for(error: click.ClickException) -> str | None:
 
 
 def _say(line: str, hint: str | None = None) -> None:
-    click.echo(_printable(f"neurframe: {line}"), err=True)
+    tell(_printable(f"neurframe: {line}"))
     if hint:
-        click.echo(_printable(f"  try: {hint}"), err=True)
+        tell(_printable(f"  try: {hint}"))
 
 
 def _printable(text: str) -> str:

@@ -105,10 +105,11 @@ def write_features(path: Path, features: Features) -> None:
     path.write_text(json.dumps(record) + "\n", encoding="ascii")
 
 
-def read_features(path: Path) -> Features:
-    """Reads features.json.  Chains that do not cover the edges once each are an error.
+def read_features(path: Path, vertex_count: int | None = None) -> Features:
+    """Reads features.json, of a mesh with so many vertices where that is known.
 
-    Raises UnreadableFile, TooNewFile, InvalidMesh.
+    Raises UnreadableFile, TooNewFile, and InvalidMesh where the chains do not run over every edge exactly once or a
+    vertex is not there.
     """
     record = _record(path)
     edges = _vertex_numbers(path, "edges", record.get("edges")).reshape(-1, 2)
@@ -120,7 +121,20 @@ def read_features(path: Path) -> Features:
     covered_edges = np.concatenate(covered) if covered else np.zeros((0, 2), np.int64)
     if not np.array_equal(np.unique(edges, axis=0), covered_edges[np.lexsort(covered_edges.T[::-1])]):
         raise InvalidMesh(f"{path}: the chains do not run over every edge exactly once")
+    _refuse_other_mesh(path, [edges, corners, *chains], vertex_count)
     return Features(edges, chains, corners)
+
+
+def _refuse_other_mesh(path: Path, numbers: list[Ints], vertex_count: int | None) -> None:
+    named = np.concatenate([part.ravel() for part in numbers])
+    last = np.inf if vertex_count is None else vertex_count - 1
+    if len(named) and not (named.min() >= 0 and named.max() <= last):
+        wrong = named[(named < 0) | (named > last)][0]
+        raise InvalidMesh(
+            f"{path}: vertex {wrong} is not in the mesh"
+            + (f", which has {vertex_count}" if vertex_count is not None else ""),
+            hint="the file belongs to other tets: run `neurframe tetize` again",
+        )
 
 
 def _record(path: Path) -> dict[str, Any]:

@@ -58,7 +58,7 @@ def store_tets(workspace: Workspace, surface: Surface, tets: TetMesh, features: 
 def load_tets(workspace: Workspace) -> tuple[Surface, TetMesh, Features]:
     """What tetize has left."""
     tets, _ = read_medit(workspace / TETS)
-    return read_surface(workspace / SURFACE), tets, read_features(workspace / FEATURES)
+    return read_surface(workspace / SURFACE), tets, read_features(workspace / FEATURES, len(tets.V))
 
 
 def store_frames(workspace: Workspace, frames: Floats, carrier: Surface, crosses: Floats) -> None:

@@ -65,9 +65,9 @@ def _step(name: str, workspace: Workspace, options: dict[str, Any], sample: Samp
     inputs[FIELD] = workspace.require(FIELD, "train")
 
     def work(context: StageContext) -> dict[str, Any]:
-        mesh = FieldData(
-            read_surface(inputs[SURFACE]), read_medit(inputs[TETS])[0], read_features(inputs[FEATURES]).edges
-        )
+        tets = read_medit(inputs[TETS])[0]
+        features = read_features(inputs[FEATURES], len(tets.V))
+        mesh = FieldData(read_surface(inputs[SURFACE]), tets, features.edges)
         report, shown = sample(context, read_field(inputs[FIELD]), mesh)
         if pictures:
             draw_or_warn(context, {name: f"{name}.png"}, replace(mesh, **shown))

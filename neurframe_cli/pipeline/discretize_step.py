@@ -44,7 +44,8 @@ def discretize_step(
     inputs[FIELD] = workspace.require(FIELD, "train")
 
     def work(context: StageContext) -> dict[str, Any]:
-        tets, features = read_medit(inputs[TETS])[0], read_features(inputs[FEATURES])
+        tets = read_medit(inputs[TETS])[0]
+        features = read_features(inputs[FEATURES], len(tets.V))
         surface, reason = choose_cross_surface(read_surface(inputs[SURFACE]), tets, choice)
         context.expect("discretize", Amount(len(tets.T), len(surface.F)))
         field = read_field(inputs[FIELD])

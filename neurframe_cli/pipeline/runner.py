@@ -94,7 +94,7 @@ def run_stage(workspace: Workspace, step: Step, progress: Progress, *, force: bo
         remove_leftovers(workspace.folder)
         manifest = read_manifest(workspace.folder)
         inputs = {label: sha256_of(path) for label, path in step.inputs.items()}
-        _refuse_stale(workspace, step, manifest, inputs)
+        foreign = _foreign_inputs(workspace, step, manifest, inputs)
         key = _key(step, inputs)
         previous = manifest.stages.get(step.name)
         log.debug("%s: options %s, inputs %s", step.name, dict(step.options), inputs)
@@ -108,6 +108,8 @@ def run_stage(workspace: Workspace, step: Step, progress: Progress, *, force: bo
         write_manifest(workspace.folder, manifest)
         bounded = within(progress, step.name, step.memory_mib)
         context = StageContext(workspace, bounded, record.warnings, memory_mib=step.memory_mib)
+        for warning in foreign:
+            context.warn(warning)
         with measured() as usage:
             _carry_out(workspace, step, context, manifest, usage)
         return _judged(StageOutcome(record, skipped=False))
@@ -206,8 +208,14 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _refuse_stale(workspace: Workspace, step: Step, manifest: Manifest, inputs: Mapping[str, str]) -> None:
-    """Raises UsageError where an input comes from an unfinished stage, or from other files than those there now."""
+def _foreign_inputs(
+    workspace: Workspace, step: Step, manifest: Manifest, inputs: Mapping[str, str]
+) -> list[str]:
+    """A warning for each input that is not what its stage has written: put there by the user, or damaged.
+
+    Raises UsageError where an input comes from an unfinished stage, or from other files than those there now.
+    """
+    warnings = []
     for label in inputs:
         for name, record in manifest.stages.items():
             if name == step.name or label not in record.outputs:
@@ -217,13 +225,15 @@ def _refuse_stale(workspace: Workspace, step: Step, manifest: Manifest, inputs: 
                     f"{label} comes from a {name} that did not finish", hint=f"run `neurframe {name}` again"
                 )
             if record.outputs[label] != inputs[label]:
-                continue  # the user has put another file there, and knows what for
+                warnings.append(f"{label} is not the file that {name} has written; it is used all the same")
+                continue
             for source, digest in record.inputs.items():
                 if (workspace / source).is_file() and sha256_of(workspace / source) != digest:
                     raise UsageError(
                         f"{label} was made from another {source} than the one there now",
                         hint=f"run `neurframe {name}` again",
                     )
+    return warnings
 
 
 def _key(step: Step, inputs: Mapping[str, str]) -> str:

@@ -37,7 +37,8 @@ def train_step(
         journal.drop_damaged()
         mesh, _ = read_medit(tets)
         context.expect("train", Amount(len(mesh.T)))
-        result = train(mesh, read_features(features), options, context.progress, journal.log, journal)
+        edges = read_features(features, len(mesh.V))
+        result = train(mesh, edges, options, context.progress, journal.log, journal)
         with atomic_path(context.workspace / FIELD) as path:
             path.write_bytes(field_to_bytes(result.field))
         journal.finish()

@@ -17,6 +17,7 @@ import neurframe_cli
 from neurframe_cli.errors import ChildCrashed
 from neurframe_cli.mesh.arrays import Floats, Ints, Progress, Surface
 from neurframe_cli.process import run_child
+from neurframe_cli.stages.tetize_worker import REFUSED
 
 PACKAGE = Path(neurframe_cli.__file__).resolve().parent
 SEED_LIBRARY = PACKAGE / "bin" / "libneurframe_seed.so"
@@ -74,7 +75,8 @@ def run_tetwild(
 ) -> TetwildRun:
     """Runs fTetWild on a validated surface; files of the run stay in `scratch_dir`.
 
-    Raises ChildCrashed (a signal, a Python error in the child, nothing written), ChildOutOfMemory, TimedOut.
+    Raises ChildCrashed (a signal, a Python error in the child, nothing written), ChildOutOfMemory, TimedOut; OSError
+    where the result could not be written, which no other settings help against.
     """
     source, target = scratch_dir / "tetwild_input.npz", scratch_dir / "tetwild_output.npz"
     target.unlink(missing_ok=True)
@@ -83,6 +85,7 @@ def run_tetwild(
     result = run_child(
         [
             sys.executable,
+            "-P",  # nothing that lies in the folder where it runs is a module
             "-m",
             "neurframe_cli.stages.tetize_worker",
             source,
@@ -96,8 +99,11 @@ def run_tetwild(
         env=_environment(library, seed),
         cwd=scratch_dir,  # fTetWild leaves debugging files where it runs
         on_line=_follow(progress),
-        accept=(0, 1),
+        accept=(0, 1, REFUSED),
     )
+    if result.returncode == REFUSED:
+        number = int(result.last_lines[-1])
+        raise OSError(number, os.strerror(number), str(target))
     if result.returncode != 0 or not target.exists():
         raise ChildCrashed(
             f"fTetWild gave up: {result.last_lines[-1] if result.last_lines else 'it said nothing'}"

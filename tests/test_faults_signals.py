@@ -1,0 +1,153 @@
+"""Ctrl-C, SIGTERM and programs that do not want to end, in every stage: 130, nothing left behind, and it goes on."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import psutil
+import pytest
+from faults import (
+    STAGES,
+    Ended,
+    assert_clear,
+    assert_same,
+    assert_whole,
+    clean_environment,
+    command,
+    copy_of,
+    neurframe,
+    words,
+)
+
+from neurframe_cli.errors import Cancelled, NeurframeError, StageError, TimedOut
+from neurframe_cli.pipeline.manifest import read_manifest
+
+PATIENCE_S = 180.0
+LONG = {"train": ["--iterations", "2000"]}  # the others take long enough for a signal that is sent at once
+
+
+def wait_for(event: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not event():
+        assert time.monotonic() < deadline, "what was waited for did not happen"
+        time.sleep(0.01)
+
+
+def is_running(stage: str, workspace: Path) -> bool:
+    try:
+        return read_manifest(workspace).stages[stage].status == "running"
+    except (NeurframeError, KeyError):
+        return False
+
+
+def interrupted(stage: str, workspace: Path, number: signal.Signals) -> tuple[Ended, list[psutil.Process]]:
+    """The command, sent a signal as soon as the stage runs; and its children at that moment."""
+    child = subprocess.Popen(
+        command(*words(stage, workspace), *LONG.get(stage, [])),
+        env=clean_environment(),
+        stdin=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    wait_for(lambda: is_running(stage, workspace) or child.poll() is not None)
+    children = psutil.Process(child.pid).children(recursive=True) if child.poll() is None else []
+    child.send_signal(number)
+    said = child.communicate(timeout=PATIENCE_S)[1]
+    return Ended(child.returncode, said), children
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("stage", STAGES)
+def test_interruption(stage: str, number: signal.Signals, staged: dict[str, Path], tmp_path: Path) -> None:
+    workspace = copy_of(staged[stage], tmp_path)
+    ended, children = interrupted(stage, workspace, number)
+    assert_clear(ended, Cancelled.exit_code)
+    assert "neurframe: interrupted" in ended.said
+    assert psutil.wait_procs(children, timeout=PATIENCE_S)[1] == []
+    assert read_manifest(workspace).stages[stage].status == "interrupted"
+    assert_whole(stage, workspace, staged["done"])
+    if number == signal.SIGTERM:  # once is enough
+        assert neurframe(*words(stage, workspace)).code == 0
+        assert_same(stage, workspace, staged["done"])
+
+
+STUBBORN = """#!/bin/sh
+trap '' TERM INT
+echo $$ > "{folder}/pid"
+while :; do sleep 1; done
+"""
+
+
+def stubborn(folder: Path) -> str:
+    """A program that ignores every signal that can be ignored."""
+    path = folder / "stubborn.sh"
+    path.write_text(STUBBORN.format(folder=folder))
+    path.chmod(0o755)
+    return str(path)
+
+
+def is_gone(pid: int) -> bool:
+    return not psutil.pid_exists(pid) or psutil.Process(pid).status() == psutil.STATUS_ZOMBIE
+
+
+def begun(folder: Path) -> bool:
+    return (folder / "pid").exists() and (folder / "pid").read_text().strip() != ""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stage", ["quad", "hex"])
+def test_a_program_that_ignores_term_is_ended_all_the_same(
+    stage: str, staged: dict[str, Path], tmp_path: Path
+) -> None:
+    workspace = copy_of(staged[stage], tmp_path)
+    variable = {"quad": "NEURFRAME_MIQ", "hex": "NEURFRAME_CUBECOVER"}[stage]
+    environment = clean_environment(**{variable: stubborn(tmp_path)})
+    child = subprocess.Popen(
+        command(*words(stage, workspace)), env=environment, stderr=subprocess.PIPE, text=True
+    )
+    wait_for(lambda: begun(tmp_path))
+    child.send_signal(signal.SIGTERM)
+    said = child.communicate(timeout=PATIENCE_S)[1]
+    assert_clear(Ended(child.returncode, said), Cancelled.exit_code)
+    wait_for(lambda: is_gone(int((tmp_path / "pid").read_text())))
+
+
+@pytest.mark.slow
+def test_a_program_that_ignores_term_runs_into_the_time_limit(
+    staged: dict[str, Path], tmp_path: Path
+) -> None:
+    workspace = copy_of(staged["hex"], tmp_path)
+    environment = clean_environment(NEURFRAME_CUBECOVER=stubborn(tmp_path))
+    ended = neurframe(*words("hex", workspace), "--timeout", "5", env=environment)
+    assert_clear(ended, TimedOut.exit_code)
+    wait_for(lambda: not begun(tmp_path) or is_gone(int((tmp_path / "pid").read_text())))
+
+
+@pytest.mark.slow
+def test_of_two_runs_in_one_workspace_one_is_refused(staged: dict[str, Path], tmp_path: Path) -> None:
+    workspace = copy_of(staged["hex"], tmp_path)
+    environment = clean_environment(NEURFRAME_CUBECOVER=stubborn(tmp_path))
+    first = subprocess.Popen(
+        command(*words("hex", workspace)), env=environment, stderr=subprocess.DEVNULL, start_new_session=True
+    )
+    try:
+        wait_for(lambda: begun(tmp_path))
+        for stage in ("tetize", "quad", "hex"):
+            ended = neurframe(*words(stage, workspace))
+            assert_clear(ended, StageError.exit_code)
+            assert f"(pid {first.pid})" in ended.said
+        report = neurframe("report", "-w", str(workspace))  # it only reads, and may be asked for at any time
+        assert report.code == 0
+        assert "unfinished" in (workspace / "report.html").read_text(encoding="utf-8")
+    finally:
+        os.kill(first.pid, signal.SIGKILL)
+        first.wait()
+    wait_for(lambda: is_gone(int((tmp_path / "pid").read_text())))
+    assert neurframe(*words("hex", workspace)).code == 0
+    assert_same("hex", workspace, staged["done"])
