@@ -51,27 +51,4 @@ int cancel_dipoles(FieldTopology& topology, double reach) {
   }
 }
 
-int cancel_costly_dipoles(CrossSurface& surface, std::vector<Sector>& sectors, double reach) {
-  FieldTopology all(surface, sectors);
-  int cancelled = 0;
-  double energy = rotation_energy(surface);
-  for (const Dipole& dipole : find_dipoles(all, reach)) {
-    FieldTopology topology(surface, sectors);
-    const std::vector<int> matching = surface.matching;
-    const std::vector<Eigen::Vector3d> axis = surface.axis;
-    if (!cancel(topology, dipole)) continue;
-    relax_field(surface, topology.shifted(), 1.5 * dipole.distance);
-    const double after = rotation_energy(surface);
-    if (after < energy) {
-      energy = after;
-      ++cancelled;
-      continue;
-    }
-    topology.return_turn(dipole.path, sectors[static_cast<size_t>(dipole.gaining)]);
-    surface.matching = matching;
-    surface.axis = axis;
-  }
-  return cancelled;
-}
-
 }  // namespace neurframe

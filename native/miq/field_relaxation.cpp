@@ -33,20 +33,10 @@ std::vector<int> number_free(const CrossSurface& surface, const std::vector<int>
   return number;
 }
 
-double dual_weight(const CrossSurface& surface, int h) {
-  return 1.5 * surface.along(h).squaredNorm() / (surface.area(h / 3) + surface.area(surface.twin(h) / 3));
-}
-
 }  // namespace
 
-double rotation_energy(const CrossSurface& surface) {
-  double total = 0;
-  for (int h = 0; h < surface.half_edge_count(); ++h) {
-    if (surface.twin(h) < h || surface.is_feature(h)) continue;
-    const double residual = rotation_residual(surface, h);
-    total += dual_weight(surface, h) * residual * residual;
-  }
-  return total;
+double dual_weight(const CrossSurface& surface, int h) {
+  return 1.5 * surface.along(h).squaredNorm() / (surface.area(h / 3) + surface.area(surface.twin(h) / 3));
 }
 
 void relax_field(CrossSurface& surface, const std::vector<int>& vertices, double radius) {

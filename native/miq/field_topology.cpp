@@ -14,6 +14,17 @@ FieldTopology::FieldTopology(CrossSurface& surface, std::vector<Sector>& sectors
 }
 
 ShiftPath FieldTopology::nearest(const Sector& from, double reach, const Accept& accept) {
+  std::vector<ShiftPath> found = search(from, reach, 1, false, accept);
+  return found.empty() ? ShiftPath{} : std::move(found.front());
+}
+
+std::vector<ShiftPath> FieldTopology::nearest_several(const Sector& from, double reach, int most,
+                                                      const Accept& accept) {
+  return search(from, reach, most, true, accept);
+}
+
+std::vector<ShiftPath> FieldTopology::search(const Sector& from, double reach, int most, bool features,
+                                             const Accept& accept) {
   struct Label {
     double distance;
     int half_edge;  // towards `from`
@@ -21,29 +32,34 @@ ShiftPath FieldTopology::nearest(const Sector& from, double reach, const Accept&
   };
   std::map<const Sector*, Label> labels{{&from, {0.0, -1, nullptr}}};
   std::set<std::pair<double, const Sector*>> queue{{0.0, &from}};
+  std::vector<ShiftPath> found;
   while (!queue.empty()) {
     const auto [distance, sector] = *queue.begin();
     queue.erase(queue.begin());
     if (sector != &from && accept(*sector, distance)) {
-      ShiftPath path;
-      for (const Sector* s = sector; s != &from; s = labels[s].previous) path.push_back(labels[s].half_edge);
-      return path;
+      found.emplace_back();
+      for (const Sector* s = sector; s != &from; s = labels[s].previous) {
+        found.back().push_back(labels[s].half_edge);
+      }
+      if (static_cast<int>(found.size()) == most) break;
     }
+    if (sector != &from && !sector->closed) continue;
     for (const int corner : sector->corners) {
       const int h = CrossSurface::previous(corner);  // into the vertex of the sector
       if (surface_.twin(h) < 0 || surface_.is_feature(h)) continue;
       const Sector& next = at(h);
       const double longer = distance + surface_.along(h).norm();
-      const auto found = labels.find(&next);
-      if (!next.closed || longer > reach || (found != labels.end() && found->second.distance <= longer)) {
+      const auto known = labels.find(&next);
+      if (!(next.closed || features) || longer > reach ||
+          (known != labels.end() && known->second.distance <= longer)) {
         continue;
       }
-      if (found != labels.end()) queue.erase({found->second.distance, &next});
+      if (known != labels.end()) queue.erase({known->second.distance, &next});
       labels[&next] = {longer, h, sector};
       queue.insert({longer, &next});
     }
   }
-  return {};
+  return found;
 }
 
 void FieldTopology::shift(const ShiftPath& path, int turns) {

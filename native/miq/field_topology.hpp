@@ -28,6 +28,9 @@ class FieldTopology {
   // the path runs towards the sector.  Empty if there is none within `reach`.
   ShiftPath nearest(const Sector& from, double reach, const Accept& accept);
 
+  // The same for the nearest `most` sectors that are accepted, which may have features: paths end there, too.
+  std::vector<ShiftPath> nearest_several(const Sector& from, double reach, int most, const Accept& accept);
+
   // One quarter turn more for the sector that the path runs to, one less for the one it comes from; the
   // vertices on the path are noted in shifted().
   void move_turn(const ShiftPath& path, Sector& gains);
@@ -38,6 +41,8 @@ class FieldTopology {
 
  private:
   void shift(const ShiftPath& path, int turns);
+  std::vector<ShiftPath> search(const Sector& from, double reach, int most, bool features,
+                                const Accept& accept);
 
   CrossSurface& surface_;
   std::vector<Sector>& sectors_;
@@ -56,10 +61,15 @@ int repair_sectors(FieldTopology& topology, int closed_minimum, double reach);
 // features, nearest first.  Returns the number of pairs.
 int cancel_dipoles(FieldTopology& topology, double reach);
 
-// The same for pairs up to `reach` apart, but only where the crosses become smoother by it: the pair is
-// cancelled, the field around relaxed, and both undone unless the Dirichlet energy of the residual rotations
-// has fallen.  Returns the number of pairs cancelled.
-int cancel_costly_dipoles(CrossSurface& surface, std::vector<Sector>& sectors, double reach);
+struct TradeOptions {
+  double reach;    // along edges, between the two sectors
+  double penalty;  // energy that a singular vertex less may cost
+};
+
+// Moves quarter turns between sectors, features included, one after the other where (Dirichlet energy of the
+// smoothest crosses) + penalty * (singular vertices) falls most by it, until it falls no more; then relaxes
+// the crosses around.  Returns the number of turns moved.
+int trade_singularities(CrossSurface& surface, std::vector<Sector>& sectors, const TradeOptions& options);
 
 // Moves interior singular vertices that are less than `clearance` from a feature to the nearest vertex that
 // far away, or to the farthest one within reach where the features leave less room.  A map whose singularity

@@ -112,21 +112,21 @@ IntegerGrid solve_integer_grid(const MapProblem& problem, SeamlessMap& seamless,
   IntegerGrid grid;
   Json& quantization = statistics["quantization"];
   bool found = solver.choose_for_target(grid, quantization);
-  int refinements = 0;
-  const auto refine = [&] {
-    ++refinements;
+  std::vector<Json> reasons;
+  const auto refine = [&](const char* reason) {
+    reasons.emplace_back(reason);
     solver.rescale(grid, options.refinement);
     return solver.choose_integers(grid, quantization);
   };
   // a map that is not valid to begin with does not become so
-  const int most = seamless.check.valid() ? options.most_refinements : 0;
-  while (!found && refinements < most) found = refine();
+  const size_t most = seamless.check.valid() ? static_cast<size_t>(options.most_refinements) : 0;
+  while (!found && reasons.size() < most) found = refine("no integers");
   solver.solve_map(grid, statistics["integer_grid"]);
-  while (!grid.complete() && refinements < most) {
-    refine();
+  while (!grid.complete() && reasons.size() < most) {
+    refine(grid.check.valid() ? "lost quads" : "folded");
     solver.solve_map(grid, statistics["integer_grid"]);
   }
-  quantization["refinements"] = refinements;
+  quantization["refined_because"] = reasons;
   quantization["edge_length_factor"] = grid.edge_length_factor;
   return grid;
 }

@@ -69,8 +69,8 @@ std::vector<Sector> mend_field(CrossSurface& surface, const PreparationOptions& 
   const double clearance = options.feature_clearance * edge_length;
   statistics["singularities_retreated"] = retreat_from_features(topology, clearance);
   relax_field(surface, topology.shifted(), 2 * std::max(reach, clearance));
-  statistics["costly_dipoles_cancelled"] =
-      cancel_costly_dipoles(surface, sectors, options.costly_dipole_reach * edge_length);
+  statistics["turns_traded"] =
+      trade_singularities(surface, sectors, {options.trade_reach * edge_length, options.singularity_penalty});
   statistics["singularities"] = singularity_histogram(sectors);
   return sectors;
 }

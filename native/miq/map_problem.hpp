@@ -25,11 +25,15 @@ struct MapProblem {
 };
 
 struct PreparationOptions {
-  double longest_edge = 3;          // triangles with longer edges (in target edge lengths) are split
-  double dipole_reach = 3;          // target edge lengths up to which opposite singularities cancel
-  double costly_dipole_reach = 15;  // and up to which they do if the crosses become smoother by it
-  double feature_clearance = 1;     // target edge lengths that singularities keep from features
-  int closed_minimum = 3;           // least quarter turns around an interior vertex
+  double longest_edge = 3;  // triangles with longer edges (in target edge lengths) are split
+  double dipole_reach = 3;  // target edge lengths up to which opposite singularities cancel
+  // target edge lengths up to which quarter turns are traded; farther ones make the field smoother still, but
+  // the sizes of the cells less equal
+  double trade_reach = 15;
+  // energy that a singular vertex less may cost; a quarter turn has pi/8 of it per factor e in radius
+  double singularity_penalty = 0.3;
+  double feature_clearance = 1;  // target edge lengths that singularities keep from features
+  int closed_minimum = 3;        // least quarter turns around an interior vertex
   FeatureOptions features;
 };
 

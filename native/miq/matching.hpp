@@ -38,7 +38,7 @@ std::vector<char> singular_vertices(const CrossSurface& surface, const std::vect
 // integers fixed).
 void relax_field(CrossSurface& surface, const std::vector<int>& vertices, double radius);
 
-// sum over edges off the features of (edge length / dual edge length) * residual rotation^2
-double rotation_energy(const CrossSurface& surface);
+// edge length / dual edge length
+double dual_weight(const CrossSurface& surface, int h);
 
 }  // namespace neurframe

@@ -64,14 +64,18 @@ struct Attempt {
   SeamlessMap seamless;
 };
 
-// What the next attempt does differently: singularities are moved farther from the features, because no map
-// that follows the crosses has one in the tip between two; then the feature lines beside the defects are left
-// out.  False if nothing is left to try.
+// What the next attempt does differently: first only the trades that make the field smoother, then none; then
+// singularities are moved farther from the features, because no map that follows the crosses has one in the
+// tip between two; then the feature lines beside the defects are left out.  False if nothing is left to try.
 bool change_preparation(const Attempt& best, double edge_length, int attempt,
                         PreparationOptions& preparation) {
   constexpr double kFarther = 3;
-  constexpr int kFarAttempts = 2;
+  constexpr int kFarAttempts = 3;
   constexpr int kRings = 8;
+  if (attempt == 1) {
+    preparation.trade_reach = 0;
+    return true;
+  }
   if (!has_features(best.problem.surface)) return false;
   if (attempt <= kFarAttempts) {
     preparation.feature_clearance *= kFarther;
@@ -87,7 +91,7 @@ bool change_preparation(const Attempt& best, double edge_length, int attempt,
 
 Attempt find_seamless_map(const CrossSurface& surface, const ParametrizeOptions& options, double edge_length,
                           Json& statistics) {
-  constexpr int kMostAttempts = 6;
+  constexpr int kMostAttempts = 7;
   Attempt best;
   PreparationOptions preparation = options.preparation;
   const Json before = statistics;
@@ -95,6 +99,7 @@ Attempt find_seamless_map(const CrossSurface& surface, const ParametrizeOptions&
     Json trial = before;
     trial["attempts"] = attempt;
     trial["feature_clearance"] = preparation.feature_clearance;
+    trial["trade_reach"] = preparation.trade_reach;
     Attempt now;
     now.problem = prepare_map_problem(surface, preparation, edge_length, trial);
     MapSystem system(now.problem.variables, now.problem.surface.triangle_count(), true);
