@@ -1,7 +1,7 @@
 """`make batch` without a local copy: models of Thingi10K through the package, here with a stand-in for the data set.
 
 The stand-in has what is used of the package's interface (version 1.5): init(variant), then dataset(file_id) with one
-row a model, file_id and file_path among its entries, and RuntimeError where it was not initialised or cannot be fetched.
+row for each model, which names file_id and file_path, and RuntimeError where it was not initialised or not fetched.
 """
 
 from __future__ import annotations
