@@ -39,7 +39,7 @@ def open_results(path: Path) -> Iterator[ResultsFile]:
     Raises WorkspaceBusy where another batch holds it, StageError where it cannot be written.
     """
     try:
-        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
     except OSError as error:
         raise write_error(path, error) from error
     try:

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from neurframe_cli.cli.configuration import config_files, configured_executables, defaults_for
+from neurframe_cli.cli.configuration import CONFIG_NAME, config_files, configured_executables, defaults_for
 from neurframe_cli.cli.console import Console
 from neurframe_cli.cli.settings import GLOBAL_OPTIONS, Settings
 from neurframe_cli.errors import UsageError
@@ -15,6 +15,7 @@ from neurframe_cli.errors import UsageError
 _GLOBAL_NAMES = [option.name or "" for option in GLOBAL_OPTIONS()]
 # keys in the context's meta
 _FILES, _SETTINGS = "neurframe_cli.config_files", "neurframe_cli.settings"
+_UNTRUSTED = "neurframe_cli.untrusted_config_file"
 
 
 class StageCommand(click.Command):
@@ -33,13 +34,16 @@ class StageCommand(click.Command):
         # which files apply is known from the command line: it is read once only for that, without complaints
         first = super().make_context(info_name, list(args), parent, resilient_parsing=True, **extra).params
         before: Settings = parent.obj if parent is not None and parent.obj else Settings()
-        files = config_files(first.get("config") or before.config, self._workspace(first))
+        explicit, workspace = first.get("config") or before.config, self._workspace(first)
+        files = config_files(explicit, workspace)
         if files:
             from neurframe_cli.cli.main import COMMANDS
 
             extra["default_map"] = defaults_for(self, files, list(COMMANDS))
         context = super().make_context(info_name, args, parent, **extra)
         context.meta[_FILES] = files
+        own = workspace / CONFIG_NAME if workspace is not None else None
+        context.meta[_UNTRUSTED] = own if own != explicit else None
         return context
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -50,7 +54,7 @@ class StageCommand(click.Command):
         ctx.params["threads"] = settings.apply_threads()
         with (
             Console(settings.verbosity, settings.log_json) as console,
-            configured_executables(ctx.meta[_FILES]),
+            configured_executables(ctx.meta[_FILES], ctx.meta[_UNTRUSTED]),
         ):
             ctx.params["console"] = console
             return super().invoke(ctx)

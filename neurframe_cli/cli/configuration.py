@@ -14,9 +14,11 @@ from typing import Any
 import click
 
 from neurframe_cli.errors import UnreadableFile, UsageError
+from neurframe_cli.mesh.open_file import read_bytes
 from neurframe_cli.pipeline.executables import PROGRAMS, variable_of
 
 CONFIG_NAME = "neurframe.toml"
+MAX_CONFIG_BYTES = 1 << 20
 EXECUTABLES = "executables"  # the table that names other programs in place of ours
 
 
@@ -30,8 +32,8 @@ def config_files(explicit: Path | None, workspace: Path | None) -> list[Path]:
 def read_config(path: Path) -> dict[str, dict[str, Any]]:
     """Tables of a config file by command name; raises UnreadableFile or UsageError naming file and entry."""
     try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
+        document = tomllib.loads(read_bytes(path, MAX_CONFIG_BYTES).decode("utf-8"))
+    except UnicodeDecodeError as error:
         raise UnreadableFile(f"config file {path} cannot be read: {error}") from error
     except tomllib.TOMLDecodeError as error:
         raise UsageError(f"config file {path} is not valid TOML: {error}") from error
@@ -66,11 +68,22 @@ def defaults_for(
 
 
 @contextlib.contextmanager
-def configured_executables(files: Sequence[Path]) -> Iterator[None]:
+def configured_executables(files: Sequence[Path], untrusted: Path | None = None) -> Iterator[None]:
     """Put the programs of the [executables] tables in place of ours; an environment variable beats the files.
 
-    They travel as environment variables, so that the processes that a command starts see them too.
+    They travel as environment variables, so that the processes that a command starts see them too.  `untrusted` is the
+    config file of the workspace: a folder that came from somebody else must not say what is run here.
     """
+    for path in files:
+        if (
+            untrusted is not None
+            and path.resolve() == untrusted.resolve()
+            and EXECUTABLES in read_config(path)
+        ):
+            raise UsageError(
+                f"config file {path} of the workspace names programs to run, which only your own files may",
+                hint=f"if you trust it: --config {path}",
+            )
     found = {variable_of(name): path for name, path in read_executables(files).items()}
     ours = {variable: path for variable, path in found.items() if not os.environ.get(variable)}
     os.environ.update(ours)

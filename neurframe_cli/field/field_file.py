@@ -15,6 +15,7 @@ from neurframe_cli.field.checkpoint import read_safetensors
 from neurframe_cli.field.energy_terms import Normalization
 from neurframe_cli.field.network import Architecture, FieldNetwork, evaluate
 from neurframe_cli.mesh.arrays import Floats
+from neurframe_cli.mesh.open_file import read_bytes
 
 FORMAT, VERSION = "neurframe-field", 1
 # neighbours that a sampled field is interpolated from
@@ -99,11 +100,7 @@ def field_from_bytes(content: bytes, name: str = "field.safetensors") -> Field:
 
 def read_field(path: Path) -> Field:
     """The field of a file; raises UnreadableFile or TooNewFile."""
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise UnreadableFile(f"cannot read {path}: {error.strerror}") from error
-    return field_from_bytes(content, str(path))
+    return field_from_bytes(read_bytes(path), str(path))
 
 
 def _network(architecture: dict[str, Any], tensors: dict[str, torch.Tensor]) -> FieldNetwork:

@@ -15,8 +15,8 @@ from neurframe_cli.errors import InvalidMesh, NeurframeError, UnreadableFile
 MAX_FILE_BYTES = 2 << 30
 
 
-def check_file(path: Path) -> None:
-    """Raises UnreadableFile unless `path` is a regular, readable file with 1 to MAX_FILE_BYTES bytes."""
+def check_file(path: Path, largest: int = MAX_FILE_BYTES) -> None:
+    """Raises UnreadableFile unless `path` is a regular, readable file with 1 to `largest` bytes."""
     try:
         if not path.exists():
             raise UnreadableFile(f"{path}: no such file")
@@ -29,16 +29,16 @@ def check_file(path: Path) -> None:
         raise UnreadableFile(f"{path}: no permission to read it")
     if size == 0:
         raise UnreadableFile(f"{path}: the file is empty")
-    if size > MAX_FILE_BYTES:
+    if size > largest:
         raise UnreadableFile(
-            f"{path}: {size / 2**20:.0f} MiB, at most {MAX_FILE_BYTES >> 20} MiB are read",
-            hint="simplify the mesh first",
+            f"{path}: {size / 2**20:.0f} MiB, at most {largest >> 20} MiB are read",
+            hint="simplify the mesh first" if largest == MAX_FILE_BYTES else None,
         )
 
 
-def read_bytes(path: Path) -> bytes:
+def read_bytes(path: Path, largest: int = MAX_FILE_BYTES) -> bytes:
     """The whole file; raises UnreadableFile."""
-    check_file(path)
+    check_file(path, largest)
     try:
         return path.read_bytes()
     except OSError as error:

@@ -24,7 +24,7 @@ def read_points(path: Path) -> Floats:
             lines = path.read_text(encoding="utf-8").replace(",", " ").splitlines()
             points = np.loadtxt(lines, ndmin=2) if any(map(_has_numbers, lines)) else np.empty((0, 3))
         points = np.asarray(points, np.float64)
-    except (OSError, ValueError, UnicodeDecodeError) as error:
+    except (OSError, ValueError, EOFError, MemoryError) as error:
         raise UnreadableFile(
             f"{path}: no table of numbers: {error}", hint="three numbers a line, or .npy"
         ) from error

@@ -16,13 +16,11 @@ from neurframe_cli.mesh.cells import Cells
 from neurframe_cli.mesh.check_tets import check_indices
 from neurframe_cli.mesh.file_format import CELL_FORMATS, file_format
 from neurframe_cli.mesh.off import read_off
-from neurframe_cli.mesh.open_file import MAX_FILE_BYTES, foreign_reader, refuse_empty
+from neurframe_cli.mesh.open_archive import check_archive
+from neurframe_cli.mesh.open_file import foreign_reader, refuse_empty
 from neurframe_cli.mesh.read_step import read_step
 from neurframe_cli.mesh.read_tets import CELL_READERS
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
-
-# deflate reaches 1000:1 only on zeros, XML with coordinates 3:1 to 20:1
-MAX_COMPRESSION = 200
 
 
 def read_surface(path: Path) -> Surface:
@@ -87,16 +85,10 @@ def _single_mesh(scene: Any) -> Any:
 
 
 def _read_3mf(path: Path) -> Surface:
-    """A 3MF file is a ZIP archive of XML: its sizes are looked at before anything is unpacked."""
+    """A 3MF file is a ZIP archive of XML."""
     with foreign_reader(path, "zipfile"), zipfile.ZipFile(path) as archive:
-        entries = archive.infolist()
+        entries = check_archive(path, archive)
         models = [entry for entry in entries if entry.filename.lower().endswith(".model")]
-        unpacked, packed = sum(e.file_size for e in entries), sum(e.compress_size for e in entries)
-        if unpacked > MAX_FILE_BYTES or unpacked > MAX_COMPRESSION * max(packed, 1 << 16):
-            raise UnreadableFile(
-                f"{path}: unpacks from {packed} to {unpacked} bytes, at most {MAX_COMPRESSION} times "
-                f"and {MAX_FILE_BYTES >> 20} MiB are allowed"
-            )
         for model in models:
             with archive.open(model) as file:
                 if b"<!ENTITY" in file.read(1 << 16):

@@ -16,11 +16,12 @@ from neurframe_cli.errors import ChildCrashed, StageError
 from neurframe_cli.mesh.arrays import Progress, silent
 from neurframe_cli.picture.field_data import FieldData
 from neurframe_cli.picture.mesh_data import HybridData, MeshData
+from neurframe_cli.process.memory import usable_mib
 from neurframe_cli.process.run_child import run_child
 
 # the pictures that can be asked for
 FIELD_PICTURES = ("crosses", "singular", "frames", "tets", "singularities", "streamlines")
-MESH_PICTURES = ("quads", "hexes", "hexes_cut", "hexes_trouble")
+MESH_PICTURES = ("quads", "hexes", "hexes_cut", "hexes_singular", "hexes_trouble")
 HYBRID_PICTURES = ("filled",)
 TIMEOUT_S = 600.0
 # how VTK finds a place to draw in
@@ -43,6 +44,7 @@ def draw(
                 [sys.executable, "-m", "neurframe_cli.picture", stored, *targets],
                 name="the picture renderer",
                 timeout_s=TIMEOUT_S,
+                memory_mib=usable_mib(),
                 env={name: os.environ[name] for name in _DISPLAY_VARIABLES if name in os.environ},
                 cwd=Path(neurframe_cli.__file__).parents[1],
                 on_progress=progress,

@@ -41,7 +41,12 @@ def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, reque
     tets = frame_count(inputs[FRAMES_FRA])
     context.expect("hex", Amount(tets, hexes=expected_hexes(model.surface, request.size)))
     size = request.size.arguments(model.surface, "--target-cells")
-    size += ["--feature-angle", repr(request.feature_angle_deg), "--features", str(inputs[FEATURES])]
+    size += [
+        "--feature-angle",
+        repr(request.feature_angle_deg),
+        "--features",
+        str(inputs[FEATURES].absolute()),
+    ]
     with atomic_path(context.workspace / HEX.map_name) as path:
         arguments: list[str | Path] = [inputs[TETS], inputs[FRAMES_FRA], "-o", path, *size]
         parametrization = run_program(
@@ -93,7 +98,7 @@ HEX = MeshKind(
     map_name="map.hexex",
     outputs=("hex.vtk", "hex.mesh"),
     extractor="hexex",
-    pictures={"hexes": "hex.png", "hexes_cut": "hex-cut.png"},
+    pictures={"hexes": "hex.png", "hexes_cut": "hex-cut.png", "hexes_singular": "hex-singular.png"},
     make=_make,
     complete=_complete,
     extras=(TROUBLE_PICTURE, *FILLED, FILLED_PICTURE),

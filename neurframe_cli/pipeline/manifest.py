@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from neurframe_cli.errors import TooNewFile, UnreadableFile
+from neurframe_cli.mesh.open_file import read_bytes
 from neurframe_cli.pipeline.atomic import write_json
 
 FORMAT = "neurframe-workspace"
 VERSION = 1
 MANIFEST_NAME = "manifest.json"
+MAX_BYTES = 256 << 20
 
 
 @dataclass
@@ -53,7 +55,7 @@ def read_manifest(folder: Path) -> Manifest:
     if not path.exists():
         return Manifest()
     try:
-        document = json.loads(path.read_text())
+        document = json.loads(read_bytes(path, MAX_BYTES))
         if not isinstance(document, dict) or document.get("format") != FORMAT:
             raise ValueError(f"it is no {FORMAT} document")
         if int(document["version"]) > VERSION:

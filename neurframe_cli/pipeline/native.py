@@ -43,7 +43,7 @@ def run_program(
     threads = [] if limits.threads is None else ["--threads", str(limits.threads)]
     try:
         ended = run_child(
-            [executable, *arguments, *threads],
+            [executable, *map(_never_an_option, arguments), *threads],
             name=executable.name,
             timeout_s=limits.timeout_s,
             memory_mib=limits.memory_mib or usable_mib(),
@@ -59,6 +59,11 @@ def run_program(
     words = next((line.strip() for line in reversed(ended.last_lines) if line.strip()), "")
     statistics = _statistics(ended.stdout, executable.name)
     return ProgramResult(ended.returncode == 0, statistics, ended.seconds, ended.peak_mib, words)
+
+
+def _never_an_option(argument: str | os.PathLike[str]) -> str:
+    """A path as one that begins with the root: a folder may be called `-o`."""
+    return argument if isinstance(argument, str) else os.path.abspath(argument)
 
 
 def _statistics(stdout: bytes, name: str) -> dict[str, Any]:

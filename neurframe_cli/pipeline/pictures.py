@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from neurframe_cli.errors import StageError
+from neurframe_cli.errors import StageError, TimedOut
 from neurframe_cli.picture.draw import draw
 from neurframe_cli.picture.field_data import FieldData
 from neurframe_cli.picture.mesh_data import HybridData, MeshData
@@ -20,7 +20,7 @@ def draw_or_warn(
         drawn = {name: scratch / file for name, file in pictures.items()}
         try:
             draw(drawn, data)
-        except StageError as error:
+        except (StageError, TimedOut, OSError) as error:
             context.warn(f"no pictures: {error}")
             return
         for path in drawn.values():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ from neurframe_cli.field.surface_cross_field import surface_cross_field
 from neurframe_cli.mesh.arrays import Floats, Surface
 from neurframe_cli.mesh.check_tets import check_indices
 from neurframe_cli.mesh.features import features_by_angle
+from neurframe_cli.mesh.open_archive import check_archive
 from neurframe_cli.mesh.open_file import check_file, foreign_reader
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.mesh.read_tets import read_medit
@@ -106,6 +108,8 @@ def read_carrier(
 def read_crosses(path: Path) -> CrossCarrier:
     """From cross.npz; raises UnreadableFile or InvalidMesh."""
     check_file(path)
+    with foreign_reader(path, "zipfile"), zipfile.ZipFile(path) as archive:
+        check_archive(path, archive)
     # numpy leaves a file open that it opened itself and cannot read
     with foreign_reader(path, "numpy"), path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
         V, F, crosses = (stored[name] for name in ("V", "F", "crosses"))
