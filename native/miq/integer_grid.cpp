@@ -1,6 +1,9 @@
 #include "miq/integer_grid.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "miq/stiffening.hpp"
 
 namespace neurframe {
 namespace {
@@ -37,6 +40,8 @@ class IntegerGridSolver {
   }
 
  private:
+  UntangleResult untangle_and_check(IntegerGrid& grid);
+
   // the real variables after the least deformation that takes the integers to whole numbers
   Eigen::VectorXd moved_to(const Eigen::VectorXd& whole) const {
     return seamless_.real + poisson_.real_response(whole - seamless_.integer);
@@ -91,12 +96,27 @@ bool IntegerGridSolver::choose_for_target(IntegerGrid& grid, Json& statistics) {
   }
 }
 
-void IntegerGridSolver::solve_map(IntegerGrid& grid, Json& statistics) {
+UntangleResult IntegerGridSolver::untangle_and_check(IntegerGrid& grid) {
   UntangleOptions options;
   options.threads = options_.threads;
-  statistics = untangle_json(untangle(held_system_, seamless_.shapes, options, grid.real, grid.integer));
+  const UntangleResult result = untangle(held_system_, seamless_.shapes, options, grid.real, grid.integer);
   grid.fixed = fixed_point_map(problem_.variables, grid.real, grid.integer);
   grid.check = check_map(problem_.surface, problem_.sectors, grid.fixed);
+  return result;
+}
+
+void IntegerGridSolver::solve_map(IntegerGrid& grid, Json& statistics) {
+  constexpr int kStiffeningRounds = 10;
+  statistics = untangle_json(untangle_and_check(grid));
+  if (!grid.check.valid()) {
+    // what the integers have wound twice has no fold to be untangled by; the stiffened map follows the field
+    IntegerGrid again = grid;
+    std::vector<double> stiffness = seamless_.stiffness;
+    solve_with_stiffening(held_system_, problem_, seamless_.shapes, kStiffeningRounds, stiffness, again.real,
+                          again.integer);
+    statistics["stiffened"] = untangle_json(untangle_and_check(again));
+    if (again.check.defects() < grid.check.defects()) grid = std::move(again);
+  }
   grid.lost = {};
   if (!grid.check.valid()) return;
   grid.lost =
@@ -113,9 +133,11 @@ IntegerGrid solve_integer_grid(const MapProblem& problem, SeamlessMap& seamless,
   Json& quantization = statistics["quantization"];
   bool found = solver.choose_for_target(grid, quantization);
   std::vector<Json> reasons;
+  double step = options.first_refinement;
   const auto refine = [&](const char* reason) {
     reasons.emplace_back(reason);
-    solver.rescale(grid, options.refinement);
+    solver.rescale(grid, step);
+    step = std::max(options.refinement, 2 * step - 1);
     return solver.choose_integers(grid, quantization);
   };
   // a map that is not valid to begin with does not become so

@@ -17,7 +17,10 @@ struct IntegerGridOptions {
   int target_faces = 0;           // if positive, the edge length is corrected until there are as many cells
   double separation_reach = 1.5;  // cells up to which rows keep critical vertices apart from the start
   int most_row_rounds = 30;
-  double refinement = 0.8;  // factor on the edge length where no integers, or no injective map, are found
+  // Factor on the edge length where no integers, or no injective map, are found.  The first steps are small:
+  // a slightly different size rounds differently, and often that is enough.
+  double first_refinement = 0.96;
+  double refinement = 0.8;  // the smallest factor
   int most_refinements = 8;
   int threads = 1;
 };
