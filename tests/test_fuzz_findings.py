@@ -11,6 +11,7 @@ from fuzz_targets import TARGETS
 
 from neurframe_cli.errors import InvalidMesh, NeurframeError, UnreadableFile
 from neurframe_cli.field.field_file import read_field
+from neurframe_cli.mesh.off import read_off
 from neurframe_cli.mesh.read_cells import read_cells
 from neurframe_cli.mesh.read_points import read_points
 
@@ -30,6 +31,13 @@ def refused(
 def test_a_ply_header_without_end(end: bytes, tmp_path: Path) -> None:
     """meshio looked for the end for ever."""
     refused(read_cells, tmp_path / "a.ply", PLY_HEADER + end, UnreadableFile, "header does not end")
+
+
+@pytest.mark.parametrize("counts", [b"-inf 1 0", b"3 -inf 0", b"nan nan nan", b"3.5 1 0", b"1e300 1 0"])
+def test_counts_of_an_off_file(counts: bytes, tmp_path: Path) -> None:
+    """Minus infinity was an OverflowError."""
+    content = b"OFF\n" + counts + b"\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+    refused(read_off, tmp_path / "a.off", content, UnreadableFile, "do not fit")
 
 
 def test_points_that_are_comments(tmp_path: Path) -> None:

@@ -40,7 +40,8 @@ def read_off_polygons(path: Path) -> tuple[Floats, list[list[int]]]:
 
 
 def _counts(path: Path, counts: list[float], line_count: int) -> tuple[int, int]:
-    vertices, faces = (int(count) if count < 2**53 else -1 for count in (*counts, -1, -1)[:2])
+    wanted = (*counts, -1.0, -1.0)[:2]
+    vertices, faces = (int(count) if 0 <= count < 2**53 and count.is_integer() else -1 for count in wanted)
     if vertices < 0 or faces < 0 or 1 + vertices + faces > line_count:
         raise UnreadableFile(f"{path}: the counts {counts} and the {line_count} lines of the file do not fit")
     return vertices, faces
