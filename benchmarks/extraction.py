@@ -6,14 +6,15 @@
 The maps are made here: Kuhn tets of a cube (a square in triangles), inner vertices jittered, u = K x, and every
 tet (triangle) in a chart of its own, so that every interior face has a non-trivial transition.  K^3 hexes and
 (K+1)^3 vertices (K^2 and (K+1)^2) must come out, or the run fails.  --maps FOLDER adds the .hexex files of a folder.
-Seconds are CPU seconds of the whole program, reading and writing included; `fit` at the end is the least-squares
-cost per tet and per hex (per triangle and per quad) over the rows above it.
+Seconds are CPU seconds of the whole program, reading and writing included; for hexes those without files follow, and
+beside them what HexHex and HexEx took for maps of the same kind on another day (they were timed without files, too).
+`fit` at the end is the least-squares cost per tet and per hex (per triangle and per quad) over the rows above it.
 """
 
 import argparse
 import itertools
 import json
-import resource
+import os
 import subprocess
 import sys
 import tempfile
@@ -27,18 +28,37 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 CUBES = [(6, 10), (6, 22), (12, 22), (24, 22), (6, 46), (12, 46), (24, 46), (6, 100), (24, 100)]
+LARGE = [(48, 46), (48, 100)]
 SQUARES = [(30, 100), (100, 100), (100, 316), (300, 316), (100, 1000), (300, 1000)]
+
+
+# CPU seconds and peak MB of HexHex and HexEx by divisions and cells of the cube, every tet in a chart of its own; None:
+# not run.  One thread of a loaded machine with two cores, to be taken as +-30 %.
+PEERS = {
+    (6, 10): (0.024, 10, 0.298, 18),
+    (6, 22): (0.055, 17, 3.23, 134),
+    (12, 22): (0.126, 30, 3.24, 144),
+    (24, 22): (0.416, 144, 4.24, 221),
+    (12, 46): (0.377, 91, 27.9, 1157),
+    (24, 46): (0.870, 182, 26.8, 1233),
+    (6, 100): (2.00, 686, None, None),
+    (24, 100): (3.75, 797, None, None),
+    (48, 46): (3.42, 980, None, None),
+    (48, 100): (7.98, 1509, None, None),
+}
 
 
 @dataclass(frozen=True)
 class Row:
-    """One run: sizes, CPU seconds, and whether the counts were those expected."""
+    """One run: sizes, CPU seconds with files and without, peak MiB, and whether the counts were those expected."""
 
     name: str
     simplices: int
     cells: int
     vertices: int
     seconds: float
+    bare_seconds: float
+    peak_mib: float
     complete: bool
 
 
@@ -105,15 +125,26 @@ def write_obj(path: Path, V: Floats, F: Ints, U: Floats) -> None:
 
 def run(program: Path, map_file: Path, output: Path, threads: int, cell: str, simplex: str) -> Row:
     """Runs one extraction; raises RuntimeError with its message when it writes nothing."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     command = [str(program), str(map_file), "-o", str(output), "--threads", str(threads)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    if done.returncode not in (0, 4):
-        raise RuntimeError(done.stderr.strip().splitlines()[-1])
-    stats = json.loads(done.stdout)
-    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return Row(map_file.stem, stats[simplex], stats[cell], stats["vertices"], seconds, stats["complete"])
+    said, told = output.with_suffix(".out"), output.with_suffix(".err")
+    with said.open("w") as out, told.open("w") as err:
+        child = subprocess.Popen(command, stdout=out, stderr=err)
+        _, status, usage = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode not in (0, 4):
+        raise RuntimeError(told.read_text().strip().splitlines()[-1])
+    stats = json.loads(said.read_text())
+    steps = stats["cpu_seconds"]
+    return Row(
+        map_file.stem,
+        stats[simplex],
+        stats[cell],
+        stats["vertices"],
+        usage.ru_utime + usage.ru_stime,
+        steps["exact_map"] + steps["extract"],
+        usage.ru_maxrss / 1024,
+        stats["complete"],
+    )
 
 
 def show(rows: list[Row], simplex: str, cell: str) -> None:
@@ -131,6 +162,17 @@ def show(rows: list[Row], simplex: str, cell: str) -> None:
         weight = 1.0 / np.maximum(seconds, 0.01)
         cost = np.linalg.lstsq(sizes * weight[:, None], seconds * weight, rcond=None)[0] * 1e6
         print(f"fit: {cost[0]:.2f} us per {simplex[:-1]} + {cost[1]:.2f} us per cell\n")
+
+
+def show_beside_peers(rows: list[Row]) -> None:
+    """Prints seconds without files and peak memory next to those of HexHex and HexEx."""
+    print("| tets | hexes | ours s | MiB | HexHex s | MB | HexEx s | MB |\n|---|---|---|---|---|---|---|---|")
+    for (n, cells), row in zip(CUBES + LARGE, rows, strict=False):
+        peers = PEERS.get((n, cells), (None,) * 4)
+        shown = " | ".join("" if number is None else f"{number:g}" for number in peers)
+        size = f"{row.simplices:,} | {row.cells:,}"
+        print(f"| {size} | {row.bare_seconds:.3f} | {row.peak_mib:.0f} | {shown} |")
+    print()
 
 
 def made_rows(
@@ -167,9 +209,10 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if options.hexex:
-            cubes = CUBES + ([(48, 46), (48, 100)] if options.large else [])
+            cubes = CUBES + (LARGE if options.large else [])
             rows, right = made_rows(options.hexex, 3, cubes, options.threads, folder)
             show(rows, "tets", "hexes")
+            show_beside_peers(rows)
             real = []
             for path in sorted(options.maps.glob("*.hexex")) if options.maps else []:
                 try:

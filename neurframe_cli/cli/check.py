@@ -22,15 +22,29 @@ if TYPE_CHECKING:
     "--against", type=click.Path(path_type=Path), required=True, help="The surface or tets it was made from."
 )
 @feature_angle_option
+@click.option(
+    "--pictures",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="DIR",
+    help="Draw the mesh there: outside, cut, singular graph, all coloured by quality.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as one JSON object.")
 def command(
-    mesh: Path, against: Path, feature_angle: float, as_json: bool, threads: int, console: Console
+    mesh: Path,
+    against: Path,
+    feature_angle: float,
+    pictures: Path | None,
+    as_json: bool,
+    threads: int,
+    console: Console,
 ) -> None:
     """Check a quad or hex mesh: topology, scaled Jacobian, distance and sharp edges against the input.
 
+    Of a mesh of hexes, pyramids and tets, as --fill writes it: conformity, quality, volume and distance.
+
     Exit code 0 where it is valid, 4 where it is not.
     """
-    from neurframe_cli.pipeline.checking import check_file_against
+    from neurframe_cli.pipeline.checking import check_file_against, draw_file
 
     verdict = check_file_against(mesh, against, feature_angle)
     if as_json:
@@ -41,6 +55,9 @@ def command(
         for name, value in verdict.numbers.items():
             console.result(f"{name.replace('_', ' '):<26}{_shown(value)}")
         console.result(f"{'valid':<26}{'yes' if verdict.valid else 'no: ' + '; '.join(verdict.problems)}")
+    if pictures is not None:
+        for path in draw_file(mesh, pictures):
+            console.log.info("%s", path)
     if not verdict.valid:
         raise NotValid(f"{mesh} is not valid: {'; '.join(verdict.problems)}")
 

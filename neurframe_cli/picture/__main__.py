@@ -10,7 +10,13 @@ from neurframe_cli.picture.cross_picture import draw_crosses
 from neurframe_cli.picture.field_data import FieldData
 from neurframe_cli.picture.filled_picture import draw_filled
 from neurframe_cli.picture.mesh_data import HybridData, MeshData
-from neurframe_cli.picture.mesh_pictures import draw_hexes, draw_hexes_cut, draw_hexes_trouble, draw_quads
+from neurframe_cli.picture.mesh_pictures import (
+    draw_hexes,
+    draw_hexes_cut,
+    draw_hexes_singular,
+    draw_hexes_trouble,
+    draw_quads,
+)
 from neurframe_cli.picture.singular_picture import draw_singular_graph
 from neurframe_cli.picture.volume_pictures import draw_frames, draw_tets
 
@@ -26,6 +32,7 @@ _MESH = {
     "quads": draw_quads,
     "hexes": draw_hexes,
     "hexes_cut": draw_hexes_cut,
+    "hexes_singular": draw_hexes_singular,
     "hexes_trouble": draw_hexes_trouble,
 }
 _HYBRID = {"filled": draw_filled}

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from neurframe_cli.mesh.arrays import Bools, Floats, Ints
-from neurframe_cli.mesh.hex_shell import HEX_EDGES, hex_shell
+from neurframe_cli.mesh.arrays import Floats, Ints
+from neurframe_cli.mesh.hex_shell import hex_shell
+from neurframe_cli.mesh.quality.hex_singular_graph import HexSingularGraph, hex_singular_graph
 from neurframe_cli.mesh.quality.polygons import triangulated, unique_edges, valences
 from neurframe_cli.mesh.quality.scaled_jacobian import hex_scaled_jacobians, quad_scaled_jacobians
 from neurframe_cli.picture.mesh_data import MeshData
@@ -69,10 +70,7 @@ def draw_hexes_cut(path: Path, data: MeshData) -> None:
     kept = np.flatnonzero(centroids <= side * (points[:, axis].max() + points[:, axis].min()) / 2)
     shell = hex_shell(data.cells[kept])
     _faces(scene, data.V, shell.quads, quality[kept][shell.owner])
-    for color, edges, name in _singular_edges(data.cells):
-        scene.lines(data.V, edges, color=color, width=3.0, tubes=True)
-        if len(edges):
-            scene.label(color, f"{name}: {len(edges)} edges")
+    _draw_singular_edges(scene, data, hex_singular_graph(data.cells))
     _label_quality(scene, quality, "hexes")
     scene.save(path)
 
@@ -98,19 +96,30 @@ def draw_hexes_trouble(path: Path, data: MeshData) -> None:
     scene.save(path)
 
 
-def _singular_edges(H: Ints) -> list[tuple[str, Ints, str]]:
+def draw_hexes_singular(path: Path, data: MeshData) -> None:
+    """PNG of the singular graph in the outline of the hexes, its nodes as balls."""
+    scene = Scene(data.V[np.unique(data.cells)])
+    shell = hex_shell(data.cells).quads
+    scene.surface(data.V, triangulated(shell), opacity=0.15)
+    scene.silhouette(data.V, triangulated(shell))
+    graph = hex_singular_graph(data.cells)
+    _draw_singular_edges(scene, data, graph)
+    if len(graph.nodes):
+        nodes = polydata(data.V[graph.nodes])
+        scene.plotter.add_mesh(nodes, color=EDGE_COLOR, point_size=16, render_points_as_spheres=True)
+    scene.label(EDGE_COLOR, f"{graph.summary()['singular_arcs']} arcs, {len(graph.nodes)} nodes")
+    scene.save(path)
+
+
+def _draw_singular_edges(scene: Scene, data: MeshData, graph: HexSingularGraph) -> None:
     """Interior edges of fewer and of more than four hexes."""
-    edges, count = np.unique(np.sort(H[:, HEX_EDGES].reshape(-1, 2), axis=1), axis=0, return_counts=True)
-    interior = ~_among(edges, unique_edges(hex_shell(H).quads)[0])
-    return [
-        (FEW_COLOR, edges[interior & (count < 4)], "fewer than four hexes"),
-        (MANY_COLOR, edges[interior & (count > 4)], "more than four hexes"),
-    ]
-
-
-def _among(edges: Ints, others: Ints) -> Bools:
-    size = int(edges.max()) + 1
-    return np.isin(edges @ np.array([size, 1]), others @ np.array([size, 1]))
+    for color, chosen, name in (
+        (FEW_COLOR, graph.valence < 4, "fewer than four hexes"),
+        (MANY_COLOR, graph.valence > 4, "more than four hexes"),
+    ):
+        scene.lines(data.V, graph.edges[chosen], color=color, width=3.0, tubes=True)
+        if chosen.any():
+            scene.label(color, f"{name}: {int(chosen.sum())} edges")
 
 
 def _faces(scene: Scene, V: Floats, quads: Ints, quality: Floats) -> None:

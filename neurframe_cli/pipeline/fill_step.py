@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from neurframe_cli.errors import StageError, TimedOut
 from neurframe_cli.mesh.arrays import Surface, TetMesh
 from neurframe_cli.mesh.features import read_features
 from neurframe_cli.mesh.filling.hybrid_files import read_hybrid, write_hybrid
-from neurframe_cli.mesh.filling.hybrid_mesh import HybridMesh, outer_faces
-from neurframe_cli.mesh.quality.check import enclosed_volume
-from neurframe_cli.mesh.quality.distance import surface_distance
-from neurframe_cli.mesh.quality.polygons import triangulated
+from neurframe_cli.mesh.quality.check import CheckOptions
+from neurframe_cli.mesh.quality.check_hybrid import check_hybrid
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.mesh.read_tets import read_medit
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
@@ -32,7 +27,6 @@ from neurframe_cli.stages.run_netgen import run_netgen
 
 FILLED = ("filled.vtu", "filled.msh")
 FILLED_PICTURE = "filled.png"
-SAMPLES = 50_000  # a side, for the distance
 
 
 def fill_step(
@@ -64,32 +58,23 @@ def fill_step(
         except (StageError, TimedOut) as error:
             context.warn(f"the voids were not filled: {error}")
             return {"error": str(error)}
+    return _kept(context, filled, surface, pictures=pictures)
+
+
+def _kept(context: StageContext, filled: FilledMesh, surface: Surface, *, pictures: bool) -> dict[str, Any]:
+    """Writes the mesh and its picture; its numbers as they are read back, and which hexes were given up why."""
     for name in FILLED:
         with atomic_path(context.workspace / name) as path:
             write_hybrid(path, filled.mesh)
     if pictures:
         draw_or_warn(context, {"filled": FILLED_PICTURE}, HybridData(filled.mesh))
-    return _report(filled, surface)
-
-
-def _report(filled: FilledMesh, surface: Surface) -> dict[str, Any]:
-    """Numbers of the mesh, with its volume and its distance (in diagonals) against the surface."""
-    shell = _outside(filled.mesh)
-    found = surface_distance(shell, surface, SAMPLES, np.random.default_rng(0))
-    diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
+    verdict = check_hybrid(read_hybrid(context.workspace / FILLED[0]), surface, CheckOptions())
     return {
-        **asdict(filled.numbers),
-        "valid": filled.numbers.valid,
-        "volume_ratio": filled.numbers.volume / enclosed_volume(surface.V, surface.F),
-        "hausdorff": found.hausdorff / diagonal,
-        "mean_distance": found.mean / diagonal,
+        **verdict.numbers,
+        "valid": verdict.valid,
+        "problems": verdict.problems,
         "given_up": list(filled.obstacles),
     }
-
-
-def _outside(mesh: HybridMesh) -> Surface:
-    quads, triangles = outer_faces(mesh)
-    return Surface(mesh.V, np.concatenate([triangulated(quads), triangles]))
 
 
 def export_filled(workspace: Workspace, output: Path) -> None:

@@ -20,6 +20,7 @@ _PICTURES = {
     "quad.png": ("quad", "quad", "Quads, coloured by quality, and irregular vertices"),
     "hex.png": ("hex", "hex", "Hexes from outside, coloured by quality"),
     "hex-cut.png": ("hex", "hex", "Hexes behind a cut, and singular edges"),
+    "hex-singular.png": ("hex", "hex", "The singular graph of the hexes"),
     "hex-trouble.png": ("hex", "hex", "Inverted hexes, and what is wrong with the map"),
     "filled.png": ("hex", "hex", "Hexes, pyramids and tets behind a cut"),
 }

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from neurframe_cli.errors import InvalidMesh, UnsupportedFormat
+from neurframe_cli.errors import InputError, InvalidMesh, UnsupportedFormat
 from neurframe_cli.mesh.arrays import Ints
 from neurframe_cli.mesh.filling.hybrid_mesh import HybridMesh
 from neurframe_cli.mesh.open_file import check_file, foreign_reader, quiet
@@ -35,6 +35,15 @@ def write_hybrid(path: Path, mesh: HybridMesh) -> None:
     cells = [(name, cells) for name, cells in blocks if len(cells)]
     with quiet():
         meshio.Mesh(mesh.V, cells).write(path, file_format=MESHIO_FORMATS[path.suffix.lower()])
+
+
+def is_hybrid(path: Path) -> bool:
+    """Whether the file holds hexes together with pyramids or tets; False for what cannot be read."""
+    try:
+        mesh = read_hybrid(path) if path.suffix.lower() in MESHIO_FORMATS else None
+    except InputError:
+        return False
+    return mesh is not None and len(mesh.hexes) > 0 and len(mesh.pyramids) + len(mesh.tets) > 0
 
 
 def read_hybrid(path: Path) -> HybridMesh:

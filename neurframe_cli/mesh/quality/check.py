@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
-from neurframe_cli.mesh.hex_shell import HEX_EDGES, HEX_FACES
+from neurframe_cli.mesh.hex_shell import HEX_FACES
 from neurframe_cli.mesh.quality.distance import surface_distance
 from neurframe_cli.mesh.quality.feature_recall import feature_recall
+from neurframe_cli.mesh.quality.hex_singular_graph import hex_singular_graph
 from neurframe_cli.mesh.quality.polygons import (
     count_components,
     euler_characteristic,
@@ -68,7 +69,7 @@ def check_hexes(V: Floats, H: Ints, against: Surface, features: Features, option
     faces = H[:, HEX_FACES].reshape(-1, 4)
     _, first, use = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     shell = faces[first[use == 1]]
-    shell_edges, shell_use = unique_edges(shell)
+    shell_use = unique_edges(shell)[1]
     worst, volume = hex_scaled_jacobians(V, H).min(axis=1), enclosed_volume(against.V, against.F)
     repeated = int((np.diff(np.sort(H, axis=1), axis=1) == 0).any(axis=1).sum())
     numbers = {
@@ -78,7 +79,7 @@ def check_hexes(V: Floats, H: Ints, against: Surface, features: Features, option
         "repeated_corners": repeated,
         "faces_in_over_two": int((use > 2).sum()),
         "open_shell_edges": int((shell_use != 2).sum()),
-        "interior_singular_edges": _interior_singular_edges(H, shell_edges),
+        **hex_singular_graph(H).summary(),
         "volume_ratio": enclosed_volume(V, triangulated(shell)) / volume,
         "valid_volume_share": float(_hex_volumes(V, H[worst > 0.0]).sum()) / volume,
     }
@@ -98,14 +99,6 @@ def _jacobian_numbers(worst: Floats) -> dict[str, Any]:
         "inverted": int((worst <= 0).sum()),
         "worst_cells": [int(i) for i in np.argsort(worst, kind="stable")[:10]],
     }
-
-
-def _interior_singular_edges(H: Ints, shell_edges: Ints) -> int:
-    edges, cells = np.unique(np.sort(H[:, HEX_EDGES].reshape(-1, 2), axis=1), axis=0, return_counts=True)
-    # an edge is on the shell when it is an edge of a shell face: compare as one number
-    size = int(H.max()) + 1
-    on_shell = np.isin(edges[:, 0] * size + edges[:, 1], shell_edges[:, 0] * size + shell_edges[:, 1])
-    return int(((cells != 4) & ~on_shell).sum())
 
 
 def _hex_volumes(V: Floats, H: Ints) -> Floats:
