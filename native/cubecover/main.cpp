@@ -22,6 +22,9 @@ const CommandLine command_line = {
      {"--edge-length", "", "H", "target edge length of the hexes, in units of the mesh", false},
      {"--scale", "", "S", "... or the bounding-box diagonal divided by it (default 30)", false},
      {"--target-cells", "", "N", "... or the number of hexes", false},
+     {"--polycube", "", "WHEN",
+      "a map without singular lines: never, auto (where no field of frames carries a map; default), only",
+      false},
      {"--retries", "", "N", "more tries, refined where the map is not valid (default 2)", false}}};
 
 FieldMesh read_field_mesh(const Arguments& arguments) {
@@ -34,6 +37,14 @@ FieldMesh read_field_mesh(const Arguments& arguments) {
   const double angle_deg = arguments.number("--feature-angle", 45, 0, 180);
   if (!arguments.given("--features")) mesh.features = sharp_edges(mesh, angle_deg);
   return mesh;
+}
+
+Polycubes when_polycubes(const Arguments& arguments) {
+  const std::string when = arguments.given("--polycube") ? arguments.text("--polycube") : "auto";
+  if (when == "never") return Polycubes::never;
+  if (when == "only") return Polycubes::only;
+  if (when != "auto") throw InputError("--polycube takes never, auto or only, not " + when);
+  return Polycubes::where_needed;
 }
 
 double cell_length(const Arguments& arguments, const FieldMesh& mesh) {
@@ -52,7 +63,7 @@ double cell_length(const Arguments& arguments, const FieldMesh& mesh) {
 ExitCode run(const Arguments& arguments, Json& statistics) {
   const FieldMesh mesh = read_field_mesh(arguments);
   const ParametrizeOptions options{cell_length(arguments, mesh), arguments.integer("--retries", 2, 0, 20),
-                                   worker_threads(arguments)};
+                                   worker_threads(arguments), when_polycubes(arguments)};
   statistics["edge_length"] = options.cell_length;
   const Parametrization result = parametrize(mesh, options, report_progress);
   write_hex_map(arguments.text("--output"), to_hex_map(result.field.mesh, result.map));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ctime>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "cubecover/quantize.hpp"
@@ -97,6 +98,7 @@ Parametrization solve(PreparedField prepared, const ParametrizeOptions& options,
   result.seamless_iterations = seamless.iterations;
   result.final_iterations = unfolded.iterations;
   result.parametric_volume = parametric_volume(map, evaluate(map, unfolded.columns));
+  result.distortion = mean_distortion(targets, map, evaluate(map, unfolded.columns));
   result.real_unknowns = map.real_count;
   result.integer_unknowns = map.integer_count;
   result.basis_changes = prepared.elimination.basis_changes();
@@ -122,10 +124,19 @@ std::size_t failure_count(const Parametrization& result) {
          found.unaligned_faces.size();
 }
 
+bool is_better(const Parametrization& one, const Parametrization& other) {
+  const std::size_t failures = failure_count(one);
+  const std::size_t others = failure_count(other);
+  return failures < others || (failures == others && one.distortion < other.distortion);
+}
+
 // With more of the mesh wrong than this, the field is at fault and refining is in vain.
 constexpr double hopeless_share = 0.02;
 // Of the lowest defect score: what a mesh of four times the tets must come down to, to be worth its time.
 constexpr double worth_refining = 0.5;
+
+// Of the foldover-free energy: a polycube map that is no more distorted needs no rival.
+constexpr double hardly_distorted = 6;
 
 constexpr int most_refined = 20000;  // tets; refined they are up to 100,000
 
@@ -163,12 +174,21 @@ class Search {
     try_waiting();
   }
 
-  // Where no field of frames carries a map: a polycube has no singular lines that could stand in its way.
+  // Where no field of frames carries a map: a polycube has no singular lines that could stand in its way. Its
+  // labels decide how bent the cells are, so the least distorted of the valid maps is taken.
   void try_polycubes() {
     if (done()) return;
-    for (const Preparation& preparation : polycube_preparations())
-      waiting_.push_back(prepared([&] { return prepare(mesh_, preparation); }));
-    try_waiting();
+    std::set<std::vector<EdgeKey>> seen;
+    for (const Preparation& preparation : polycube_preparations()) {
+      PreparedField field = prepared([&] { return prepare(mesh_, preparation); });
+      if (!is_hopeless(field.defects.size(), mesh_) && seen.insert(field.framed.features).second)
+        waiting_.push_back(std::move(field));
+    }
+    sort_waiting();
+    for (PreparedField& field : waiting_) {
+      if (!done() || best_->distortion > hardly_distorted) try_field(std::move(field));
+    }
+    waiting_.clear();
   }
 
   void retry_around_failures() {
@@ -201,9 +221,13 @@ class Search {
     return field;
   }
 
-  void try_waiting() {
+  void sort_waiting() {
     std::stable_sort(waiting_.begin(), waiting_.end(),
                      [](const PreparedField& a, const PreparedField& b) { return a.score() < b.score(); });
+  }
+
+  void try_waiting() {
+    sort_waiting();
     for (PreparedField& field : waiting_) {
       if (!done()) try_field(std::move(field));
     }
@@ -214,7 +238,7 @@ class Search {
     const double score = field.score();
     Parametrization next = solve(std::move(field), options_, steps_);
     ++tries_;
-    if (best_ && failure_count(next) >= failure_count(*best_)) return;
+    if (best_ && !is_better(next, *best_)) return;
     best_ = std::move(next);
     best_score_ = score;
   }
@@ -241,9 +265,11 @@ Parametrization parametrize(const FieldMesh& mesh, const ParametrizeOptions& opt
                             const ProgressCallback& progress) {
   Steps steps(progress);
   Search search(mesh, options, steps);
-  search.try_preparations();
-  search.try_refined();
-  search.try_polycubes();
+  if (options.polycubes != Polycubes::only) {
+    search.try_preparations();
+    search.try_refined();
+  }
+  if (options.polycubes != Polycubes::never) search.try_polycubes();
   search.retry_around_failures();
   return search.result();
 }

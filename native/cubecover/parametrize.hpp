@@ -9,10 +9,13 @@
 
 namespace neurframe {
 
+enum class Polycubes { never, where_needed, only };  // where_needed: where no field of frames carries a map
+
 struct ParametrizeOptions {
   double cell_length = 0;  // target edge length of the hexes, in units of the mesh
   int retries = 2;         // more tries, on a mesh that is refined where the map is not valid
   int threads = 1;         // for the energies; the result does not depend on it
+  Polycubes polycubes = Polycubes::where_needed;
 };
 
 struct StepTime {
@@ -46,6 +49,7 @@ struct Parametrization {
   int seamless_iterations = 0;
   int final_iterations = 0;
   double parametric_volume = 0;  // cells
+  double distortion = 0;         // mean over the volume of the foldover-free energy; 5 for cubes
   std::vector<StepTime> times;
 };
 

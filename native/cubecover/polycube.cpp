@@ -10,8 +10,6 @@ namespace neurframe {
 
 namespace {
 
-constexpr int rounds = 3;  // labels, then frames; later rounds change little
-
 // The frame nearest to all those behind the boundary, weighted by area.
 Eigen::Matrix3d common_frame(const FieldMesh& mesh) {
   FrameCoefficients sum = FrameCoefficients::Zero();
@@ -82,7 +80,7 @@ FieldMesh polycube_field(FieldMesh mesh, const PolycubeLabels& options) {
   std::fill(mesh.frames.begin(), mesh.frames.end(), background);
   const std::vector<BoundaryEdge> edges = find_boundary_edges(mesh, rings);
   std::vector<SignedAxis> labels;
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = 0; round < options.rounds; ++round) {
     labels = surface_labels(mesh, edges, options.compactness);
     mesh.frames = rotation_field(mesh, axis_targets(mesh, rings, edges, labels), background);
   }

@@ -7,6 +7,7 @@ namespace neurframe {
 
 struct PolycubeLabels {
   double compactness = 0;      // of the labels; 0 for no polycube
+  int rounds = 1;              // of labels and frames in turn: with more, labels follow a bend
   bool inner_features = true;  // features between faces of one label are kept as lines of the grid
 };
 

@@ -69,8 +69,10 @@ std::vector<Preparation> usual_preparations() {
 std::vector<Preparation> polycube_preparations() {
   std::vector<Preparation> preparations;
   for (const bool inner_features : {true, false}) {
-    for (const double compactness : {1.0, 3.0, 10.0})
-      preparations.push_back({0, 0, {compactness, inner_features}});
+    for (const int rounds : {1, 3}) {
+      for (const double compactness : {1.0, 3.0, 10.0})
+        preparations.push_back({0, 0, {compactness, rounds, inner_features}});
+    }
   }
   return preparations;
 }

@@ -1,6 +1,7 @@
 #include "cubecover/report.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace neurframe {
@@ -120,6 +121,8 @@ void describe(const Parametrization& result, Json& statistics) {
   statistics["map"] = describe_verification(field, result.verification);
   statistics["fraction_bits"] = result.map.fraction_bits;
   statistics["expected_hexes"] = result.parametric_volume;
+  if (std::isfinite(result.distortion)) statistics["distortion"] = result.distortion;
+  statistics["polycube_compactness"] = result.preparation.polycube.compactness;
   Json& seconds = statistics["cpu_seconds"];
   for (const StepTime& time : result.times) seconds[time.step] = time.cpu_seconds;
 }

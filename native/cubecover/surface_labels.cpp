@@ -6,6 +6,7 @@
 #include <set>
 
 #include "cubecover/max_flow.hpp"
+#include "cubecover/turning_borders.hpp"
 
 namespace neurframe {
 
@@ -30,7 +31,7 @@ double bell(double offset, double width) {
 class Labelling {
  public:
   Labelling(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges, double compactness)
-      : mesh_(mesh), face_of_(mesh.twin.size(), -1) {
+      : mesh_(mesh), edges_(edges), face_of_(mesh.twin.size(), -1) {
     for (int h = 0; h < mesh.half_face_count(); ++h) {
       if (at(mesh.twin, h) >= 0) continue;
       at(face_of_, h) = static_cast<int>(half_faces_.size());
@@ -46,7 +47,8 @@ class Labelling {
   void solve() {
     for (int repair = 0; repair <= most_repairs; ++repair) {
       expand_all();
-      if (!give_up_bad_patches()) return;
+      const bool patches_repaired = give_up_bad_patches();
+      if (!patches_repaired && !split_turning_borders()) return;
     }
   }
 
@@ -78,6 +80,7 @@ class Labelling {
   void set_fidelity() {
     fidelity_.resize(static_cast<std::size_t>(label_count * face_count()));
     label_.resize(half_faces_.size());
+    forced_.resize(half_faces_.size());
     for (int f = 0; f < face_count(); ++f) {
       const int h = at(half_faces_, f);
       const double share = area_vector(mesh_, h).norm() / mean_area_;
@@ -174,12 +177,55 @@ class Labelling {
     return found;
   }
 
+  // Where a border turns from convex to concave, a part of one patch beside it takes the third axis, so that
+  // three patches meet at the turn.
+  bool split_turning_borders() {
+    bool found = false;
+    for (const TurningBorder& border : find_turning_borders(mesh_, edges_, axes())) {
+      const int third = 3 - border.axes[0] - border.axes[1];
+      const std::vector<int>* cheapest = nullptr;
+      double least = given_up;
+      for (const std::vector<int>& part : border.parts) {
+        const double cost = cost_of_axis(part, third);
+        if (!was_forced(part) && cost < least) cheapest = &part, least = cost;
+      }
+      if (cheapest == nullptr) continue;
+      for (const int h : *cheapest) force_axis(at(face_of_, h), third);
+      found = true;
+    }
+    return found;
+  }
+
+  double cost_of_axis(const std::vector<int>& half_faces, int axis) {
+    double cost = 0;
+    for (const int h : half_faces) {
+      const int f = at(face_of_, h);
+      cost += std::min(fidelity(f, 2 * axis), fidelity(f, 2 * axis + 1)) - fidelity(f, at(label_, f));
+    }
+    return cost;
+  }
+
+  // A part that was moved before and came back did so because its new patch had too few corners.
+  bool was_forced(const std::vector<int>& half_faces) const {
+    return std::any_of(half_faces.begin(), half_faces.end(),
+                       [&](int h) { return at(forced_, at(face_of_, h)) != 0; });
+  }
+
+  void force_axis(int face, int axis) {
+    at(forced_, face) = 1;
+    for (int l = 0; l < label_count; ++l) {
+      if (l / 2 != axis) fidelity(face, l) += given_up;
+    }
+  }
+
   const FieldMesh& mesh_;
+  const std::vector<BoundaryEdge>& edges_;
   std::vector<int> face_of_;     // per half-face
   std::vector<int> half_faces_;  // per face of the boundary
   std::vector<Link> links_;
   std::vector<double> fidelity_;
   std::vector<int> label_;
+  std::vector<char> forced_;  // per face: its axis was chosen to end a turning border
   double mean_area_ = 0;
 };
 

@@ -1,12 +1,17 @@
 #include "cubecover/targets.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "cubecover/barrier_energy.hpp"
 
 namespace neurframe {
 
 namespace {
 
-constexpr double least_weight = 0.05;  // of the mean tet volume: slivers unfold too (measured, notes)
+constexpr double distortion_power = 4;  // the worst cells count, but not one alone
+constexpr double least_weight = 0.05;   // of the mean tet volume: slivers unfold too (measured, notes)
 
 // The gradients of the four barycentric coordinates, as rows.
 Eigen::Matrix<double, 4, 3> barycentric_gradients(const FieldMesh& mesh, int tet) {
@@ -44,6 +49,18 @@ Foldover measure_foldover(const TetTargets& targets, const ReducedMap& map, cons
     foldover.count += determinant > 0 ? 0 : 1;
   }
   return foldover;
+}
+
+double mean_distortion(const TetTargets& targets, const ReducedMap& map, const Eigen::VectorXd& rows) {
+  double sum = 0;
+  double total = 0;
+  for (int t = 0; t < static_cast<int>(targets.weight.size()); ++t) {
+    const Eigen::Matrix3d gradient = relative_gradient(targets, map, rows, t);
+    if (gradient.determinant() <= 0) return std::numeric_limits<double>::infinity();
+    sum += at(targets.weight, t) * std::pow(barrier_value(gradient, 0), distortion_power);
+    total += at(targets.weight, t);
+  }
+  return std::pow(sum / total, 1 / distortion_power);
 }
 
 double parametric_volume(const ReducedMap& map, const Eigen::VectorXd& rows) {

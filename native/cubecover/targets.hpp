@@ -30,6 +30,10 @@ struct Foldover {
 
 Foldover measure_foldover(const TetTargets& targets, const ReducedMap& map, const Eigen::VectorXd& rows);
 
+// Power mean over the volume of the foldover-free energy without its regularisation: 5 where cells are cubes
+// of the edge length asked for, infinite where the map folds.
+double mean_distortion(const TetTargets& targets, const ReducedMap& map, const Eigen::VectorXd& rows);
+
 // Parametric volume: the number of hexes that an injective map contains.
 double parametric_volume(const ReducedMap& map, const Eigen::VectorXd& rows);
 
