@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <ctime>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "cubecover/quantize.hpp"
@@ -167,22 +166,23 @@ class Search {
   }
 
   void try_refined() {
-    if (done() || mesh_.tet_count() > most_refined) return;
+    if (done() || best_score_ == 0 || mesh_.tet_count() > most_refined) return;
     PreparedField refined = prepared([&] { return prepare(mesh_, refined_preparation(mesh_)); });
     if (refined.score() > worth_refining * best_score_) return;
     waiting_.push_back(std::move(refined));
     try_waiting();
   }
 
+  // Whether the field of the best map has no defect that is known.
+  bool is_sound() const { return best_ && best_score_ == 0; }
+
   // Where no field of frames carries a map: a polycube has no singular lines that could stand in its way. Its
   // labels decide how bent the cells are, so the least distorted of the valid maps is taken.
   void try_polycubes() {
     if (done()) return;
-    std::set<std::vector<EdgeKey>> seen;
-    for (const Preparation& preparation : polycube_preparations()) {
-      PreparedField field = prepared([&] { return prepare(mesh_, preparation); });
-      if (!is_hopeless(field.defects.size(), mesh_) && seen.insert(field.framed.features).second)
-        waiting_.push_back(std::move(field));
+    for (PreparedField& field : steps_.run(0.0, "prepare", [&] { return polycubes(mesh_); })) {
+      judged_.push_back(field.judged());
+      if (!is_hopeless(field.defects.size(), mesh_)) waiting_.push_back(std::move(field));
     }
     sort_waiting();
     for (PreparedField& field : waiting_) {
@@ -267,6 +267,7 @@ Parametrization parametrize(const FieldMesh& mesh, const ParametrizeOptions& opt
   Search search(mesh, options, steps);
   if (options.polycubes != Polycubes::only) {
     search.try_preparations();
+    if (search.is_sound()) search.retry_around_failures();
     search.try_refined();
   }
   if (options.polycubes != Polycubes::never) search.try_polycubes();

@@ -1,6 +1,8 @@
 #include "cubecover/polycube.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "cubecover/octahedral_coefficients.hpp"
 #include "cubecover/rotation_field.hpp"
@@ -60,33 +62,39 @@ void align_to_labels(FieldMesh& mesh, const std::vector<SignedAxis>& labels) {
   }
 }
 
-std::vector<EdgeKey> followed_edges(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges,
-                                    const std::vector<SignedAxis>& labels, bool inner_features) {
-  std::vector<EdgeKey> followed;
+std::vector<EdgeKey> borders(const std::vector<BoundaryEdge>& edges, const std::vector<SignedAxis>& labels) {
+  std::vector<EdgeKey> found;
   for (const BoundaryEdge& edge : edges) {
-    const EdgeKey key = edge_key(edge.vertices[0], edge.vertices[1]);
-    if (is_border(edge, labels) || (inner_features && is_feature(mesh, key))) followed.push_back(key);
+    if (is_border(edge, labels)) found.push_back(edge_key(edge.vertices[0], edge.vertices[1]));
   }
-  std::sort(followed.begin(), followed.end());
-  return followed;
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 }  // namespace
 
-FieldMesh polycube_field(FieldMesh mesh, const PolycubeLabels& options) {
+FieldMesh polycube_field(FieldMesh mesh, double compactness) {
   const EdgeRings rings = edge_rings(mesh.tets, mesh.twin);
   const Eigen::Matrix3d background = common_frame(mesh);
   std::fill(mesh.matchings.begin(), mesh.matchings.end(), OctahedralRotation());
   std::fill(mesh.frames.begin(), mesh.frames.end(), background);
   const std::vector<BoundaryEdge> edges = find_boundary_edges(mesh, rings);
-  std::vector<SignedAxis> labels;
-  for (int round = 0; round < options.rounds; ++round) {
-    labels = surface_labels(mesh, edges, options.compactness);
-    mesh.frames = rotation_field(mesh, axis_targets(mesh, rings, edges, labels), background);
-  }
+  const std::vector<SignedAxis> labels = surface_labels(mesh, edges, compactness);
+  mesh.frames = rotation_field(mesh, axis_targets(mesh, rings, edges, labels), background);
   align_to_labels(mesh, labels);
-  mesh.features = followed_edges(mesh, edges, labels, options.inner_features);
+  std::vector<EdgeKey> followed;
+  const std::vector<EdgeKey> of_labels = borders(edges, labels);
+  std::set_union(mesh.features.begin(), mesh.features.end(), of_labels.begin(), of_labels.end(),
+                 std::back_inserter(followed));
+  mesh.features = std::move(followed);
   return mesh;
+}
+
+FieldMesh without_inner_features(FieldMesh polycube) {
+  const EdgeRings rings = edge_rings(polycube.tets, polycube.twin);
+  const std::vector<BoundaryEdge> edges = find_boundary_edges(polycube, rings);
+  polycube.features = borders(edges, boundary_axes(polycube, edges));
+  return polycube;
 }
 
 }  // namespace neurframe

@@ -1,6 +1,7 @@
 #include "cubecover/preparation.hpp"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "cubecover/local_restart.hpp"
@@ -14,6 +15,7 @@ namespace neurframe {
 namespace {
 
 constexpr int diffusion_rounds = 20;
+constexpr double compactnesses[] = {0.5, 1, 3};  // of polycube labels
 constexpr int restart_budget = 300000;           // tets that restarts may prepare again, all tries together
 constexpr double restart_radii[] = {1.5, 3, 5};  // mean edge lengths
 constexpr double restart_sources[] = {0, 0.4, 0.8};  // along the rim
@@ -21,7 +23,6 @@ constexpr double restart_sources[] = {0, 0.4, 0.8};  // along the rim
 FieldMesh framed_mesh(FieldMesh mesh, const Preparation& preparation) {
   if (preparation.longest_edge > 0) bound_edge_lengths(mesh, preparation.longest_edge);
   separate_boundary(mesh);
-  if (preparation.polycube.compactness > 0) return polycube_field(std::move(mesh), preparation.polycube);
   if (preparation.diffusion_rounds > 0) {
     diffuse_frames(mesh, boundary_alignments(mesh), {preparation.diffusion_rounds});
   } else {
@@ -34,7 +35,7 @@ PreparedField matched_field(FieldMesh framed, const Preparation& preparation) {
   PreparedField prepared;
   prepared.preparation = preparation;
   prepared.framed = framed;
-  if (preparation.polycube.compactness == 0) {
+  if (preparation.polycube_compactness == 0) {
     match_faces(framed);
     straighten_singular_lines(framed);
   }
@@ -66,15 +67,19 @@ std::vector<Preparation> usual_preparations() {
   return {{0, 0}, {0, diffusion_rounds}};
 }
 
-std::vector<Preparation> polycube_preparations() {
-  std::vector<Preparation> preparations;
-  for (const bool inner_features : {true, false}) {
-    for (const int rounds : {1, 3}) {
-      for (const double compactness : {1.0, 3.0, 10.0})
-        preparations.push_back({0, 0, {compactness, rounds, inner_features}});
+std::vector<PreparedField> polycubes(FieldMesh mesh) {
+  separate_boundary(mesh);
+  std::vector<PreparedField> prepared;
+  std::set<std::vector<EdgeKey>> seen;
+  for (const double compactness : compactnesses) {
+    FieldMesh whole = polycube_field(mesh, compactness);
+    FieldMesh bare = without_inner_features(whole);
+    for (FieldMesh* framed : {&whole, &bare}) {
+      if (seen.insert(framed->features).second)
+        prepared.push_back(matched_field(std::move(*framed), {0, 0, compactness}));
     }
   }
-  return preparations;
+  return prepared;
 }
 
 Preparation refined_preparation(const FieldMesh& mesh) {
@@ -166,7 +171,7 @@ PreparedField refined_around(const FieldMesh& mesh, const Preparation& preparati
   FieldMesh refined = mesh;
   split_independent(refined, targets);
   separate_boundary(refined);
-  if (preparation.polycube.compactness == 0) align_boundary_layer(refined);
+  if (preparation.polycube_compactness == 0) align_boundary_layer(refined);
   return matched_field(std::move(refined), preparation);
 }
 

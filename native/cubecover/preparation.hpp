@@ -9,9 +9,9 @@ namespace neurframe {
 
 // How to prepare.  No setting suits every field, so several are judged by the defects that they leave.
 struct Preparation {
-  double longest_edge = 0;       // edges are halved down to this first; 0 for no limit
-  int diffusion_rounds = 0;      // of the frames; 0 takes them as they are
-  PolycubeLabels polycube = {};  // one chart and its labels in place of the frames
+  double longest_edge = 0;          // edges are halved down to this first; 0 for no limit
+  int diffusion_rounds = 0;         // of the frames; 0 takes them as they are
+  double polycube_compactness = 0;  // of the labels of a polycube; 0 for the frames
 };
 
 struct PreparationScore {
@@ -45,8 +45,9 @@ Preparation refined_preparation(const FieldMesh& mesh);
 // The field with frames started anew round its defects, ball by ball, wherever that lowers the defect score.
 PreparedField with_local_restarts(PreparedField prepared);
 
-// Polycubes of more and more compact labels, with the features inside the labels and without.
-std::vector<Preparation> polycube_preparations();
+// Polycubes, distinct from each other, with labels of different compactness, with the features inside the
+// labels and without.
+std::vector<PreparedField> polycubes(FieldMesh mesh);
 
 // The same field with the edges of the tets that failed halved, so that the next try has room there.
 PreparedField refined_around(const FieldMesh& mesh, const Preparation& preparation,

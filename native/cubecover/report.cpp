@@ -78,8 +78,7 @@ Json describe_preparations(const std::vector<PreparationScore>& judged) {
     Json entry;
     entry["longest_edge"] = score.preparation.longest_edge;
     entry["diffusion_rounds"] = score.preparation.diffusion_rounds;
-    entry["polycube_compactness"] = score.preparation.polycube.compactness;
-    entry["polycube_inner_features"] = score.preparation.polycube.inner_features;
+    entry["polycube_compactness"] = score.preparation.polycube_compactness;
     entry["restarts"] = score.restarts;
     entry["tets"] = score.tets;
     entry["defect_score"] = score.defect_score;
@@ -99,7 +98,7 @@ void describe(const Parametrization& result, Json& statistics) {
   statistics["tets"] = field.mesh.tet_count();
   statistics["tries"] = result.tries;
   statistics["preparations_judged"] = describe_preparations(result.preparations_judged);
-  statistics["polycube"] = result.preparation.polycube.compactness > 0;
+  statistics["polycube"] = result.preparation.polycube_compactness > 0;
   statistics["feature_edges"] = field.mesh.features.size();
   statistics["singular_edges"] = field.singular.edges.size();
   statistics["singular_arcs"] = describe_arcs(field);
@@ -122,7 +121,7 @@ void describe(const Parametrization& result, Json& statistics) {
   statistics["fraction_bits"] = result.map.fraction_bits;
   statistics["expected_hexes"] = result.parametric_volume;
   if (std::isfinite(result.distortion)) statistics["distortion"] = result.distortion;
-  statistics["polycube_compactness"] = result.preparation.polycube.compactness;
+  statistics["polycube_compactness"] = result.preparation.polycube_compactness;
   Json& seconds = statistics["cpu_seconds"];
   for (const StepTime& time : result.times) seconds[time.step] = time.cpu_seconds;
 }

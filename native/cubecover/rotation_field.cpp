@@ -9,6 +9,8 @@ namespace {
 constexpr double target_strength = 100;       // of the mean degree of the dual graph
 constexpr double background_strength = 1e-4;  // ... enough to make the system definite
 
+constexpr double tolerance = 1e-4;  // of the residual; only the nearest rotation is wanted
+
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
 // Lower triangle of the Laplacian of the dual graph: area of the shared face over the distance of the
@@ -46,9 +48,8 @@ Eigen::MatrixXd axis_field(Triplets laplacian, int tet_count, const std::vector<
   }
   SparseMatrix matrix(tet_count, tet_count);
   matrix.setFromTriplets(laplacian.begin(), laplacian.end());
-  const SpdSolver solver(std::move(matrix));
   Eigen::MatrixXd field(tet_count, 3);
-  for (int k = 0; k < 3; ++k) field.col(k) = solver.solve(right_side.col(k));
+  for (int k = 0; k < 3; ++k) field.col(k) = solve_loosely(matrix, right_side.col(k), tolerance);
   return field;
 }
 
