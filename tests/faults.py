@@ -15,7 +15,7 @@ from neurframe_cli.pipeline.manifest import read_manifest
 
 CUBE = Path(__file__).parent.parent / "samples" / "cube.stl"
 STAGES = {
-    "tetize": ["--edge-length", "0.3"],
+    "tetize": ["--edge-length", "0.3", "--epsilon", "0.01"],
     "train": ["--iterations", "20"],
     "discretize": ["--no-pictures"],
     "quad": ["--no-pictures", "--scale", "12"],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 
 from neurframe_cli.errors import UnreadableFile
 from neurframe_cli.mesh.arrays import Floats, Ints
+from neurframe_cli.mesh.open_file import check_file
 
 
 @dataclass(frozen=True)
@@ -30,9 +32,11 @@ def read_vtp(path: Path) -> PolyLines:
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
+    check_file(path)
+    name = os.fsencode(path)  # which need be no Unicode
     reader = vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    if not path.is_file() or not reader.CanReadFile(str(path)):
+    reader.SetFileName(name)
+    if not reader.CanReadFile(name):
         raise UnreadableFile(f"{path} is no VTK file of polygons and lines")
     if not _updated(reader):
         raise UnreadableFile(f"{path} is damaged")

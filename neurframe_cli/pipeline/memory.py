@@ -12,13 +12,13 @@ from neurframe_cli.process.memory import free_mib, resident_now_mib
 
 # MiB of a stage = constant + sum of rate * thousands of what the name says
 _NEEDS: dict[str, dict[str, float]] = {
-    "tetize": {"constant": 150.0, "tets": 3.0, "faces": 12.0},
-    "train": {"constant": 450.0, "tets": 12.0},
+    "tetize": {"constant": 450.0, "tets": 4.0, "faces": 10.0},
+    "train": {"constant": 400.0, "tets": 9.0},
     "discretize": {"constant": 500.0, "tets": 5.0, "faces": 2.0},
     "quad": {"constant": 400.0, "faces": 10.0, "quads": 12.0},
     "hex": {"constant": 400.0, "tets": 20.0, "hexes": 12.0},
 }
-_PASSED_THROUGH = {"constant": 150.0, "tets": 5.0}  # tetize of a tet mesh only checks it
+_PASSED_THROUGH = {"constant": 150.0, "tets": 1.2}  # tetize of a tet mesh only checks it
 _ADVICE = {
     "quad": "a smaller --scale",
     "hex": "a smaller --scale, or tets with a longer edge",

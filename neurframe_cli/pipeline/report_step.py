@@ -27,7 +27,7 @@ def write_report(workspace_folder: Path, path: Path | None = None) -> Path:
     target = workspace / REPORT if path is None else path
     page, document = report_page(workspace)
     with atomic_path(target) as temporary:
-        temporary.write_text(page, encoding="utf-8")
+        temporary.write_text(page, encoding="utf-8", errors="backslashreplace")
     write_json(target.with_suffix(".json"), document)
     return target
 
@@ -53,5 +53,5 @@ def write_summary(rows: Sequence[Mapping[str, Any]], path: Path, *, title: str =
     from neurframe_cli.report.page import render_summary
 
     with atomic_path(path) as temporary:
-        temporary.write_text(render_summary(rows, title), encoding="utf-8")
+        temporary.write_text(render_summary(rows, title), encoding="utf-8", errors="backslashreplace")
     return path

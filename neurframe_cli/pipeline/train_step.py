@@ -9,6 +9,7 @@ from typing import Any
 from neurframe_cli.errors import UnreadableFile
 from neurframe_cli.field.field_file import field_to_bytes
 from neurframe_cli.mesh.features import read_features
+from neurframe_cli.mesh.open_file import read_bytes
 from neurframe_cli.mesh.read_tets import read_medit
 from neurframe_cli.pipeline.atomic import atomic_path
 from neurframe_cli.pipeline.forecast import Amount
@@ -77,8 +78,8 @@ class _Journal:
         if not self._checkpoint.is_file():
             return None
         if self._log.is_file():
-            self._records = self._log.read_text().splitlines()
-        return self._checkpoint.read_bytes()
+            self._records = self._log.read_text(encoding="utf-8", errors="replace").splitlines()
+        return read_bytes(self._checkpoint)
 
     def write(self, content: bytes) -> None:
         with atomic_path(self._checkpoint) as path:
@@ -102,7 +103,7 @@ class _Journal:
         if not self._checkpoint.is_file():
             return
         try:
-            checkpoint_from_bytes(self._checkpoint.read_bytes())
+            checkpoint_from_bytes(read_bytes(self._checkpoint))
         except UnreadableFile as error:
             self._context.warn(f"{self._checkpoint} is not used: {error}")
             self.forget()
