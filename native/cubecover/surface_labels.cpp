@@ -16,6 +16,7 @@ constexpr int label_count = 6;
 constexpr double fidelity_width = 0.2;      // of 1 - cosine, as in PolyCut
 constexpr double compactness_width = 0.25;  // of 1 - cosine between neighbours, as in PolyCut
 constexpr double given_up = 1e4;            // fidelity cost of a label that a patch must not have again
+constexpr double fold_cost = 10;            // of a border between opposite labels, beside its length
 constexpr int most_sweeps = 6;              // over the labels; two or three suffice
 constexpr int most_repairs = 12;
 constexpr int fewest_corners = 4;
@@ -61,19 +62,21 @@ class Labelling {
  private:
   struct Link {
     int face[2];
-    double cost;  // of a border between the two, unless their labels are opposite
+    double cost;      // of a border between the two
+    double opposite;  // ... with opposite labels: a fold, however sharp the edge
   };
 
   int face_count() const { return static_cast<int>(half_faces_.size()); }
   Eigen::Vector3d normal(int face) const { return area_vector(mesh_, at(half_faces_, face)).normalized(); }
 
   Link link_of(const BoundaryEdge& edge, double compactness) const {
-    Link link{{at(face_of_, edge.begin_face), at(face_of_, edge.end_face)}, 0};
+    Link link{{at(face_of_, edge.begin_face), at(face_of_, edge.end_face)}, 0, 0};
     const double bend = 1 - normal(link.face[0]).dot(normal(link.face[1]));
     // in units of the mean edge of the surface, as fidelity is in units of the mean face
     const double length =
         edge_length(mesh_, edge_key(edge.vertices[0], edge.vertices[1])) / std::sqrt(mean_area_);
     link.cost = compactness * length * bell(bend, compactness_width);
+    link.opposite = 2 * link.cost + fold_cost * length;
     return link;
   }
 
@@ -96,7 +99,7 @@ class Labelling {
 
   static double border_cost(const Link& link, int a, int b) {
     if (a == b) return 0;
-    return a / 2 == b / 2 ? 2 * link.cost : link.cost;
+    return a / 2 == b / 2 ? link.opposite : link.cost;
   }
 
   void expand_all() {
@@ -122,16 +125,27 @@ class Labelling {
       // x_j
       cut.add_node_cost(i, 0, first - neither);
       cut.add_node_cost(j, 0, -first);
+      // negative where both sides would trade a fold for two sharp borders: then left out, and energy()
+      // judges
       cut.add_edge(i, j, first + second - neither);
     }
-    bool changed = false;
+    const std::vector<int> before = label_;
+    const double energy_before = energy();
     const std::vector<char> takes = cut.sink_side();
     for (int f = 0; f < face_count(); ++f) {
-      if (!at(takes, f) || at(label_, f) == label) continue;
-      at(label_, f) = label;
-      changed = true;
+      if (at(takes, f)) at(label_, f) = label;
     }
-    return changed;
+    if (energy() < energy_before - 1e-9) return true;
+    label_ = before;
+    return false;
+  }
+
+  double energy() {
+    double sum = 0;
+    for (int f = 0; f < face_count(); ++f) sum += fidelity(f, at(label_, f));
+    for (const Link& link : links_)
+      sum += border_cost(link, at(label_, link.face[0]), at(label_, link.face[1]));
+    return sum;
   }
 
   std::vector<int> patches() const {

@@ -9,8 +9,8 @@ namespace neurframe {
 // normal, in few and compact patches.  They minimise, by alpha-expansion (Boykov, Veksler and Zabih 2001),
 // the fidelity and compactness terms of Livesu et al. 2013 (PolyCut, section 4): `compactness` weighs the
 // length of the patches' borders, those along sharp edges being nearly free, and a border between opposite
-// directions, which has no place in a polycube, counts twice.  Patches with fewer than four corners cannot be
-// rectangles; they are given up in favour of their neighbours as far as that goes.
+// directions, which has no place in a polycube, costs more than any other.  Patches with fewer than four
+// corners cannot be rectangles; they are given up in favour of their neighbours as far as that goes.
 std::vector<SignedAxis> surface_labels(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges,
                                        double compactness);
 
