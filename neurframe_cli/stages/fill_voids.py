@@ -103,6 +103,8 @@ def _filled(
     points = np.concatenate([points, apex])
     sides = side_triangles(free, apexes)
     void = np.concatenate([patch, sides])
+    if not len(void):
+        return _compact(HybridMesh(V, H[kept], np.zeros((0, 5), np.int64), np.zeros((0, 4), np.int64)))
     _refuse_intersections(points, void, shell, covers, H)
     used, local = np.unique(void, return_inverse=True)
     try:

@@ -1,0 +1,83 @@
+"""The hex stage with --fill and --padding on real programs, from tets and frames whose hexes are known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from field_shapes import box_tets, cylinder_tets, four_line_frames
+
+from neurframe_cli.cli.main import run_command_line
+from neurframe_cli.errors import NotValid
+from neurframe_cli.mesh.arrays import Floats, Ints, Surface, as_tets, silent
+from neurframe_cli.mesh.features import features_by_angle
+from neurframe_cli.mesh.filling.hybrid_files import read_hybrid
+from neurframe_cli.mesh.filling.hybrid_mesh import measure_hybrid
+from neurframe_cli.mesh.read_cells import read_cells
+from neurframe_cli.mesh.tet_adjacency import tet_adjacency
+from neurframe_cli.pipeline.artifacts import store_frames, store_tets
+from neurframe_cli.pipeline.hex_options import HexOptions
+from neurframe_cli.pipeline.hex_step import hex_step
+from neurframe_cli.pipeline.manifest import read_manifest
+from neurframe_cli.pipeline.mesh_step import MeshRequest
+from neurframe_cli.pipeline.native import Limits
+from neurframe_cli.pipeline.runner import run_stage
+from neurframe_cli.pipeline.sizing import ElementSize, element_size
+from neurframe_cli.pipeline.workspace import Workspace
+
+
+def stored(folder: Path, V: Floats, T: Ints, frames: Floats) -> Workspace:
+    """A workspace as discretize leaves it."""
+    tets = as_tets(V, T)
+    surface = Surface(tets.V, tet_adjacency(tets.T).boundary_faces)
+    features = features_by_angle(surface.V, surface.F, 45.0)
+    folder.mkdir()
+    workspace = Workspace(folder)
+    store_tets(workspace, surface, tets, features)
+    store_frames(workspace, frames, surface, np.zeros((len(surface.F), 2, 3)))
+    return workspace
+
+
+def request(size: ElementSize, options: HexOptions) -> MeshRequest:
+    return MeshRequest(size, 45.0, Limits(300.0, None, 1), pictures=False, hexes=options)
+
+
+def test_padding_adds_a_layer_to_each_side_of_a_box(tmp_path: Path) -> None:
+    V, T = box_tets((3, 3, 3))
+    workspace = stored(tmp_path / "box", V, T, np.tile(np.eye(3), (len(T), 1, 1)))
+    side = float(np.ptp(V[:, 0]))
+    size = element_size(None, side / 3, None, 30.0)
+    record = run_stage(workspace, hex_step(workspace, request(size, HexOptions(padding=True))), silent).record
+    assert record.report["padding"]["kept"]
+    assert record.report["mesh"]["cells"] == 5**3
+    assert record.report["mesh"]["min_scaled_jacobian"] > 0.99
+
+
+def test_what_is_not_valid_is_filled(tmp_path: Path) -> None:
+    V, T = cylinder_tets(8, 3)
+    workspace = stored(tmp_path / "cylinder", V, T, four_line_frames(V[T].mean(axis=1)))
+    # eight chords round the cylinder are farther from it than the check allows
+    size = element_size(4.0, None, None, 30.0)
+    with pytest.raises(NotValid, match="Hausdorff"):
+        run_stage(workspace, hex_step(workspace, request(size, HexOptions(fill=True))), silent)
+    report = read_manifest(workspace.folder).stages["hex"].report
+    assert 0.5 < report["mesh"]["valid_volume_share"] < 1.0
+    filled = read_hybrid(workspace / "filled.vtu")
+    assert measure_hybrid(filled).valid
+    assert report["filled"]["hexes"] == len(filled.hexes)
+    assert measure_hybrid(read_hybrid(workspace / "filled.msh")).valid
+    # without --fill nothing more is written
+    other = stored(tmp_path / "other", V, T, four_line_frames(V[T].mean(axis=1)))
+    with pytest.raises(NotValid):
+        run_stage(other, hex_step(other, request(size, HexOptions())), silent)
+    assert not (other / "filled.vtu").exists()
+    assert len(read_cells(other / "hex.vtk").cells) == report["mesh"]["cells"]
+
+
+def test_formats_without_pyramids_are_refused_before_anything_is_done(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["run", str(tmp_path / "part.stl"), "--hex", "--fill", "-o", str(tmp_path / "mesh.ovm")]
+    assert run_command_line(arguments) == 2
+    assert "no mesh of hexes, pyramids and tets" in capsys.readouterr().err
