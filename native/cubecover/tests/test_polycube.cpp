@@ -1,0 +1,163 @@
+// Labels, borders and maps of polycubes: against closed forms and against trying everything.
+#include <algorithm>
+
+#include "core/testing.hpp"
+#include "cubecover/max_flow.hpp"
+#include "cubecover/parametrize.hpp"
+#include "cubecover/rotation_field.hpp"
+#include "cubecover/surface_labels.hpp"
+#include "cubecover/turning_borders.hpp"
+#include "grid_meshes.hpp"
+
+namespace neurframe {
+namespace {
+
+struct CutProblem {
+  int nodes;
+  std::vector<std::array<double, 2>> node_cost;  // on the source's side, on the sink's
+  std::vector<std::vector<double>> capacity;     // from, to
+};
+
+CutProblem random_problem(std::mt19937_64& random) {
+  std::uniform_int_distribution<int> any(0, 5);
+  CutProblem problem{4, {}, std::vector<std::vector<double>>(4, std::vector<double>(4))};
+  for (int i = 0; i < problem.nodes; ++i)
+    problem.node_cost.push_back({static_cast<double>(any(random)), static_cast<double>(any(random))});
+  for (std::vector<double>& row : problem.capacity) {
+    for (double& capacity : row) capacity = any(random);
+  }
+  return problem;
+}
+
+double cost_of(const CutProblem& problem, const std::vector<char>& sink_side) {
+  double cost = 0;
+  for (int i = 0; i < problem.nodes; ++i) {
+    cost += at(at(problem.node_cost, i), at(sink_side, i));
+    for (int j = 0; j < problem.nodes; ++j) {
+      if (i != j && !at(sink_side, i) && at(sink_side, j)) cost += at(at(problem.capacity, i), j);
+    }
+  }
+  return cost;
+}
+
+void test_minimum_cut() {
+  std::mt19937_64 random(1);
+  for (int round = 0; round < 200; ++round) {
+    const CutProblem problem = random_problem(random);
+    MinimumCut cut(problem.nodes);
+    for (int i = 0; i < problem.nodes; ++i) {
+      cut.add_node_cost(i, at(problem.node_cost, i)[0], at(problem.node_cost, i)[1]);
+      for (int j = 0; j < problem.nodes; ++j) {
+        if (i != j) cut.add_edge(i, j, at(at(problem.capacity, i), j));
+      }
+    }
+    double least = 1e300;
+    for (int bits = 0; bits < 1 << problem.nodes; ++bits) {
+      std::vector<char> sides;
+      for (int i = 0; i < problem.nodes; ++i) sides.push_back(static_cast<char>(bits >> i & 1));
+      least = std::min(least, cost_of(problem, sides));
+    }
+    CHECK_NEAR(cost_of(problem, cut.sink_side()), least, 1e-9);
+  }
+}
+
+SignedAxis axis_nearest(const Eigen::Vector3d& direction) {
+  SignedAxis axis;
+  direction.cwiseAbs().maxCoeff(&axis.axis);
+  axis.sign = direction(axis.axis) < 0 ? -1 : 1;
+  return axis;
+}
+
+std::vector<BoundaryEdge> boundary_edges_of(const FieldMesh& mesh) {
+  return find_boundary_edges(mesh, edge_rings(mesh.tets, mesh.twin));
+}
+
+void test_labels_of_an_l_shape_are_its_normals() {
+  const FieldMesh mesh = l_shape(4, 2);
+  const std::vector<SignedAxis> labels = surface_labels(mesh, boundary_edges_of(mesh), 1);
+  for (int h = 0; h < mesh.half_face_count(); ++h) {
+    if (at(mesh.twin, h) < 0) CHECK(at(labels, h) == axis_nearest(area_vector(mesh, h)));
+  }
+}
+
+// With the face z = 2 labelled as y, the border of the notch's wall runs up the concave edge and on along a
+// convex one.
+void test_turning_border_is_found() {
+  const FieldMesh mesh = l_shape(4, 2);
+  const std::vector<BoundaryEdge> edges = boundary_edges_of(mesh);
+  std::vector<SignedAxis> labels(mesh.twin.size());
+  for (int h = 0; h < mesh.half_face_count(); ++h) {
+    if (at(mesh.twin, h) < 0) at(labels, h) = axis_nearest(area_vector(mesh, h));
+  }
+  CHECK(find_turning_borders(mesh, edges, labels).empty());
+  for (SignedAxis& label : labels) {
+    if (label == SignedAxis{2, 1}) label = {1, 1};
+  }
+  const std::vector<TurningBorder> found = find_turning_borders(mesh, edges, labels);
+  CHECK(found.size() == 1);
+  if (found.empty()) return;
+  CHECK(found[0].axes[0] + found[0].axes[1] == 1);
+  CHECK(found[0].parts[0].size() == 4);  // convex: two edges along the top, two down the far side
+  CHECK(found[0].parts[2].size() == 2);  // concave: two edges up the notch
+}
+
+void test_rotations_meet_their_targets() {
+  const FieldMesh mesh = box({4, 2, 2});
+  const Eigen::Matrix3d straight = Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d turned = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  std::vector<AxisTarget> targets;
+  for (int t = 0; t < mesh.tet_count(); ++t) {
+    const double x = tet_center(mesh, t).x();
+    if (x > 0.5 && x < 3.5) continue;
+    for (int axis = 0; axis < 2; ++axis)
+      targets.push_back({t, {axis, 1}, x < 1 ? straight.col(axis) : turned.col(axis)});
+  }
+  const std::vector<Eigen::Matrix3d> frames = rotation_field(mesh, targets, straight);
+  for (int t = 0; t < mesh.tet_count(); ++t) {
+    const double angle = Eigen::AngleAxisd(at(frames, t)).angle();
+    CHECK_NEAR(at(frames, t).determinant(), 1, 1e-9);
+    CHECK(angle > -0.02 && angle < 0.52);
+    if (tet_center(mesh, t).x() < 0.5) CHECK_NEAR(angle, 0, 0.02);
+    if (tet_center(mesh, t).x() > 3.5) CHECK_NEAR(angle, 0.5, 0.02);
+  }
+}
+
+Parametrization polycube_map_of(const FieldMesh& mesh, double cell_length) {
+  return parametrize(mesh, {cell_length, 0, 1, Polycubes::only}, [](double, const std::string&) {});
+}
+
+void test_polycube_maps() {
+  const Eigen::Matrix3d rotation =
+      Eigen::AngleAxisd(0.83, Eigen::Vector3d(1, -2, 0.7).normalized()).toRotationMatrix();
+  std::mt19937_64 random(7);
+  const Parametrization of_box =
+      polycube_map_of(relabelled(moved(box({3, 2, 4}), rotation, {100, -20, 3}), random), 0.5);
+  CHECK(of_box.verification.valid());
+  CHECK_NEAR(of_box.parametric_volume, 6 * 4 * 8, 1e-6);
+  CHECK_NEAR(of_box.distortion, 5, 1e-6);
+  const Parametrization of_l_shape = polycube_map_of(moved(l_shape(4, 2), rotation, {0, 0, 0}), 0.5);
+  CHECK(of_l_shape.verification.valid());
+  CHECK_NEAR(of_l_shape.parametric_volume, (8 * 8 - 4 * 4) * 4, 1e-6);
+}
+
+// Its round side is divided into four labels; no singular line is left inside.
+void test_cylinder_without_singular_lines() {
+  const Parametrization result = polycube_map_of(cylinder(8, 4, 0.6), 0.2);
+  CHECK(result.verification.valid());
+  CHECK(result.field.singular.edges.empty());
+  CHECK(result.preparation.polycube_compactness > 0);
+  CHECK_NEAR(result.parametric_volume, std::round(result.parametric_volume), 1e-6);
+}
+
+}  // namespace
+}  // namespace neurframe
+
+int main() {
+  neurframe::test_minimum_cut();
+  neurframe::test_labels_of_an_l_shape_are_its_normals();
+  neurframe::test_turning_border_is_found();
+  neurframe::test_rotations_meet_their_targets();
+  neurframe::test_polycube_maps();
+  neurframe::test_cylinder_without_singular_lines();
+  return neurframe::test_result();
+}
