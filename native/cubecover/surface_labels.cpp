@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <set>
 
@@ -45,12 +46,20 @@ class Labelling {
     set_fidelity();
   }
 
+  // Repairs may be in vain, or one undo the other: the labels with the fewest faults are kept.
   void solve() {
-    for (int repair = 0; repair <= most_repairs; ++repair) {
+    std::vector<int> best;
+    std::size_t fewest = std::numeric_limits<std::size_t>::max();
+    for (int repair = 0; repair <= most_repairs && fewest > 0; ++repair) {
       expand_all();
-      const bool patches_repaired = give_up_bad_patches();
-      if (!patches_repaired && !split_turning_borders()) return;
+      const std::set<int> bad = bad_patches();
+      const std::vector<TurningBorder> turning = find_turning_borders(mesh_, edges_, axes());
+      if (bad.size() + turning.size() < fewest) best = label_;
+      fewest = std::min(fewest, bad.size() + turning.size());
+      give_up(bad);
+      if (bad.empty()) split(turning);
     }
+    label_ = best;
   }
 
   std::vector<SignedAxis> axes() const {
@@ -179,23 +188,27 @@ class Labelling {
     return corners;
   }
 
-  bool give_up_bad_patches() {
+  std::set<int> bad_patches() const {
     const std::vector<int> patch = patches();
     const std::vector<int> corners = corner_counts(patch);
-    bool found = false;
-    for (int f = 0; f < face_count(); ++f) {
-      if (at(corners, at(patch, f)) >= fewest_corners) continue;
-      fidelity(f, at(label_, f)) += given_up;
-      found = true;
+    std::set<int> bad;
+    for (const int p : patch) {
+      if (at(corners, p) < fewest_corners) bad.insert(p);
     }
-    return found;
+    return bad;
+  }
+
+  void give_up(const std::set<int>& bad) {
+    const std::vector<int> patch = patches();
+    for (int f = 0; f < face_count(); ++f) {
+      if (bad.contains(at(patch, f))) fidelity(f, at(label_, f)) += given_up;
+    }
   }
 
   // Where a border turns from convex to concave, a part of one patch beside it takes the third axis, so that
   // three patches meet at the turn.
-  bool split_turning_borders() {
-    bool found = false;
-    for (const TurningBorder& border : find_turning_borders(mesh_, edges_, axes())) {
+  void split(const std::vector<TurningBorder>& borders) {
+    for (const TurningBorder& border : borders) {
       const int third = 3 - border.axes[0] - border.axes[1];
       const std::vector<int>* cheapest = nullptr;
       double least = given_up;
@@ -205,9 +218,7 @@ class Labelling {
       }
       if (cheapest == nullptr) continue;
       for (const int h : *cheapest) force_axis(at(face_of_, h), third);
-      found = true;
     }
-    return found;
   }
 
   double cost_of_axis(const std::vector<int>& half_faces, int axis) {
@@ -227,8 +238,9 @@ class Labelling {
 
   void force_axis(int face, int axis) {
     at(forced_, face) = 1;
+    const int taken = fidelity(face, 2 * axis) <= fidelity(face, 2 * axis + 1) ? 2 * axis : 2 * axis + 1;
     for (int l = 0; l < label_count; ++l) {
-      if (l / 2 != axis) fidelity(face, l) += given_up;
+      if (l != taken) fidelity(face, l) += given_up;
     }
   }
 
