@@ -9,7 +9,7 @@ import numpy as np
 
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
 from neurframe_cli.mesh.hex_shell import HEX_FACES
-from neurframe_cli.mesh.quality.distance import surface_distance
+from neurframe_cli.mesh.quality.distance import SurfaceDistance, surface_distance
 from neurframe_cli.mesh.quality.feature_recall import feature_recall
 from neurframe_cli.mesh.quality.hex_singular_graph import hex_singular_graph
 from neurframe_cli.mesh.quality.polygons import (
@@ -116,6 +116,19 @@ def enclosed_volume(V: Floats, F: Ints) -> float:
     return float(np.einsum("ij,ij->i", A, np.cross(B, C)).sum() / 6)
 
 
+def _worse_distance(
+    V: Floats, Q: Ints, against: Surface, samples: int, rng: np.random.Generator
+) -> SurfaceDistance:
+    """Distance of the quads to the surface, for the worse of their two triangulations: a bent quad is neither."""
+    return max(
+        (
+            surface_distance(Surface(V, triangulated(np.roll(Q, turn, axis=1))), against, samples, rng)
+            for turn in (0, 1)
+        ),
+        key=lambda distance: distance.hausdorff,
+    )
+
+
 def _conclude(
     V: Floats,
     Q: Ints,
@@ -136,7 +149,7 @@ def _conclude(
     if topology != expected:
         problems.append(f"components, Euler characteristic {topology} instead of {expected}")
     rng = np.random.default_rng(options.seed)
-    distance = surface_distance(Surface(V, triangulated(Q)), against, options.samples, rng)
+    distance = _worse_distance(V, Q, against, options.samples, rng)
     if distance.hausdorff > options.hausdorff_limit * diagonal:
         problems.append(f"Hausdorff distance {distance.hausdorff / diagonal:.4f} of the diagonal")
     tolerance = options.recall_tolerance * median_edge
