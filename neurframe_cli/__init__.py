@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from neurframe_cli.api import (
         Frames,
+        HexOptions,
+        HybridMesh,
         Limits,
         Mesh,
         QuadOptions,
@@ -31,6 +33,8 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Frames",
+    "HexOptions",
+    "HybridMesh",
     "Limits",
     "Mesh",
     "QuadOptions",

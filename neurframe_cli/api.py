@@ -15,10 +15,14 @@ from numpy.typing import ArrayLike
 
 from neurframe_cli.errors import NotValid, UsageError
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, TetMesh, silent
+from neurframe_cli.mesh.filling.hybrid_files import read_hybrid
+from neurframe_cli.mesh.filling.hybrid_mesh import HybridMesh
 from neurframe_cli.mesh.from_arrays import mesh_from_arrays
 from neurframe_cli.mesh.read_cells import read_cells
 from neurframe_cli.pipeline import artifacts
 from neurframe_cli.pipeline.discretize_step import discretize_step
+from neurframe_cli.pipeline.fill_step import FILLED
+from neurframe_cli.pipeline.hex_options import HexOptions
 from neurframe_cli.pipeline.hex_step import HEX, hex_step
 from neurframe_cli.pipeline.manifest import StageRecord, read_manifest
 from neurframe_cli.pipeline.mesh_step import MeshRequest, part
@@ -39,6 +43,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Frames",
+    "HexOptions",
+    "HybridMesh",
     "Limits",
     "Mesh",
     "QuadOptions",
@@ -91,7 +97,8 @@ class Frames:
 class Mesh:
     """A quad or hex mesh: V (n,3), cells (m,4) counter-clockwise from outside, or (m,8) in VTK order.
 
-    quality: the numbers of the check by name, lengths in bounding-box diagonals; problems: why it is not valid.
+    quality: the numbers of the check by name, lengths in bounding-box diagonals; problems: why it is not valid;
+    filled: with pyramids and tets, where the hexes are not valid and that was asked for.
     """
 
     kind: Kind
@@ -101,6 +108,7 @@ class Mesh:
     problems: list[str]
     quality: dict[str, Any]
     report: dict[str, Any]
+    filled: HybridMesh | None = None
 
 
 @dataclass(frozen=True)
@@ -184,12 +192,13 @@ def hex(
     edge_length: float | None = None,
     count: int | None = None,
     feature_angle_deg: float = 45.0,
+    options: HexOptions | None = None,
     limits: Limits | None = None,
     progress: Progress = silent,
 ) -> Mesh:
     """Hexes along the frames; sizes as in quad(), scale 30 by default.  Raises as quad()."""
-    size = element_size(scale, edge_length, count, DEFAULT_SCALES["hex"])
-    request = MeshRequest(size, feature_angle_deg, limits or Limits(), pictures=False)
+    size, most = element_size(scale, edge_length, count, DEFAULT_SCALES["hex"]), limits or Limits()
+    request = MeshRequest(size, feature_angle_deg, most, pictures=False, hexes=options or HexOptions())
     return _from_arrays("hex", tets, frames, request, progress)
 
 
@@ -286,4 +295,5 @@ def _mesh(kind: Kind, workspace: Workspace, request: MeshRequest, progress: Prog
     record = read_manifest(workspace.folder).stages[kind]
     cells = read_cells(workspace / (QUAD if kind == "quad" else HEX).outputs[0])
     report, valid = record.report, record.status == "done"
-    return Mesh(kind, cells.V, cells.cells, valid, report["problems"], report["mesh"], report)
+    filled = read_hybrid(workspace / FILLED[0]) if FILLED[0] in record.outputs else None
+    return Mesh(kind, cells.V, cells.cells, valid, report["problems"], report["mesh"], report, filled)

@@ -75,6 +75,21 @@ def test_what_is_not_valid_is_filled(tmp_path: Path) -> None:
     assert len(read_cells(other / "hex.vtk").cells) == report["mesh"]["cells"]
 
 
+def test_filled_meshes_reach_a_program_too() -> None:
+    import neurframe_cli as nf
+
+    V, T = cylinder_tets(8, 3)
+    tets = as_tets(V, T)
+    surface = Surface(tets.V, tet_adjacency(tets.T).boundary_faces)
+    features = features_by_angle(surface.V, surface.F, 45.0)
+    frames = nf.Frames(four_line_frames(V[T].mean(axis=1)), surface, np.zeros((len(surface.F), 2, 3)), {})
+    model = nf.Tets(tets.V, tets.T, surface, features, {})
+    made = nf.hex(model, frames, scale=4.0, options=nf.HexOptions(fill=True))
+    assert not made.valid
+    assert made.filled is not None
+    assert len(made.filled.hexes) == made.report["filled"]["hexes"]
+
+
 def test_formats_without_pyramids_are_refused_before_anything_is_done(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
