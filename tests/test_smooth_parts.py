@@ -16,6 +16,7 @@ from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise
 from neurframe_cli.mesh.optimize.match_curves import match_features
 from neurframe_cli.mesh.optimize.patches import components_cut_by
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
+from neurframe_cli.mesh.optimize.straight_corners import straight_corners
 from neurframe_cli.mesh.quality.polygons import triangulated, unique_edges
 
 
@@ -200,3 +201,15 @@ def test_the_guard_ends_where_blame_is_misplaced() -> None:
 def test_what_cells_may_fall_to() -> None:
     np.testing.assert_array_equal(least_allowed(np.array([0.5, 0.2, 0.9])), [0.2, 0.2, 0.2])
     np.testing.assert_array_equal(least_allowed(np.array([0.5, -0.2, 1e-4, -0.1])), [1e-3, -0.2, 1e-4, -0.2])
+
+
+def test_straight_corners_are_those_that_a_path_pulls_flat() -> None:
+    """Three vertices of the first quad are on a straight path, three of the second on one with a right angle."""
+    X = np.array(
+        [[0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 1, 0], [5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]], float
+    )
+    faces = np.array([[0, 1, 2, 3], [4, 5, 6, 7]])
+    paths = [np.array([0, 1, 2]), np.array([4, 5, 6])]
+    assert straight_corners(X, faces, paths).tolist() == [1]
+    assert straight_corners(X, faces, [np.array([0, 1]), np.array([1, 2])]).tolist() == []
+    assert straight_corners(X, faces, []).tolist() == []

@@ -25,11 +25,13 @@ PASSED_BY = (
 class SmoothOptions:
     """hausdorff_limit, in bounding-box diagonals of the input: the distance of a boundary face may grow up to it, and
     not at all beyond; reach_limit, likewise: quads that leave places of the surface farther away are moved to them;
-    samples on the surface for distances, seed for their places."""
+    bend: curves let go of vertices where they would pull the corner of a quad straight; samples on the surface for
+    distances, seed for their places."""
 
     improve: ImproveOptions = field(default_factory=ImproveOptions)
     hausdorff_limit: float = 0.01
     reach_limit: float = 0.004
+    bend: bool = False
     samples: int = 10_000
     seed: int = 0
 
@@ -82,7 +84,7 @@ def smooth_cells(
     if len(cells) == 0:
         raise InvalidMesh("there are no cells to smooth")
     progress(0.0, "matching features")
-    classified = classify(X, faces, surface, features, voids=faces is not cells)
+    classified = classify(X, faces, surface, features, voids=faces is not cells, bend=options.bend)
     normals = _outward(faces, classified.patches) if faces is cells else None
     improver = Improver(X, cells, kind, classified.constraints, normals, options.improve)
     improved, rounds = improver.run(classified.start, progress)
