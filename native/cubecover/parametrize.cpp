@@ -205,7 +205,7 @@ class Search {
 
   Parametrization result() {
     best_->input_tets = mesh_.tet_count();
-    best_->tries = tries_;
+    best_->attempts = attempts_;
     best_->preparations_judged = judged_;
     best_->times = steps_.times();
     return std::move(*best_);
@@ -237,7 +237,8 @@ class Search {
   void try_field(PreparedField field) {
     const double score = field.score();
     Parametrization next = solve(std::move(field), options_, steps_);
-    ++tries_;
+    attempts_.push_back(
+        {next.preparation, next.field.mesh.features.size(), failure_count(next), next.distortion});
     if (best_ && !is_better(next, *best_)) return;
     best_ = std::move(next);
     best_score_ = score;
@@ -250,7 +251,7 @@ class Search {
   std::vector<PreparationScore> judged_;
   std::optional<Parametrization> best_;
   double best_score_ = 0;
-  int tries_ = 0;
+  std::vector<Attempt> attempts_;
 };
 
 }  // namespace

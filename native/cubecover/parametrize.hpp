@@ -31,6 +31,13 @@ struct FlipCounts {  // tets without positive determinant after each step
   int exact = 0;
 };
 
+struct Attempt {  // one map that was solved for
+  Preparation preparation;
+  std::size_t features;  // edges that the map had to follow
+  std::size_t failures;  // folded tets, wrongly wound edges, open seams and faces off their plane
+  double distortion;
+};
+
 struct Parametrization {
   CombedField field;
   std::vector<Defect> defects;
@@ -40,7 +47,7 @@ struct Parametrization {
   Verification verification;
   FlipCounts flips;
   int input_tets = 0;
-  int tries = 0;
+  std::vector<Attempt> attempts;
   int real_unknowns = 0;
   int integer_unknowns = 0;
   int basis_changes = 0;

@@ -47,6 +47,9 @@ PreparedField matched_field(FieldMesh framed, const Preparation& preparation) {
   prepared.defects = field_defects(prepared.field);
   for (Defect& defect : degenerate_tets(prepared.field, prepared.map))
     prepared.defects.push_back(std::move(defect));
+  // a polycube's labels turn where the surface is smooth: there the frame says nothing of the turn
+  if (preparation.polycube_compactness > 0)
+    std::erase_if(prepared.defects, [](const Defect& d) { return d.kind == Defect::Kind::crooked_sector; });
   return prepared;
 }
 

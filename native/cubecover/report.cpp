@@ -72,16 +72,33 @@ Json describe_verification(const CombedField& field, const Verification& verific
   return entry;
 }
 
+Json describe_preparation(const Preparation& preparation) {
+  Json entry;
+  entry["longest_edge"] = preparation.longest_edge;
+  entry["diffusion_rounds"] = preparation.diffusion_rounds;
+  entry["polycube_compactness"] = preparation.polycube_compactness;
+  return entry;
+}
+
 Json describe_preparations(const std::vector<PreparationScore>& judged) {
   Json::Array entries;
   for (const PreparationScore& score : judged) {
-    Json entry;
-    entry["longest_edge"] = score.preparation.longest_edge;
-    entry["diffusion_rounds"] = score.preparation.diffusion_rounds;
-    entry["polycube_compactness"] = score.preparation.polycube_compactness;
+    Json entry = describe_preparation(score.preparation);
     entry["restarts"] = score.restarts;
     entry["tets"] = score.tets;
     entry["defect_score"] = score.defect_score;
+    entries.push_back(std::move(entry));
+  }
+  return Json(entries);
+}
+
+Json describe_attempts(const std::vector<Attempt>& attempts) {
+  Json::Array entries;
+  for (const Attempt& attempt : attempts) {
+    Json entry = describe_preparation(attempt.preparation);
+    entry["feature_edges"] = attempt.features;
+    entry["failures"] = attempt.failures;
+    if (std::isfinite(attempt.distortion)) entry["distortion"] = attempt.distortion;
     entries.push_back(std::move(entry));
   }
   return Json(entries);
@@ -96,7 +113,8 @@ void describe(const Parametrization& result, Json& statistics) {
   statistics["valid"] = result.verification.valid();
   statistics["input_tets"] = result.input_tets;
   statistics["tets"] = field.mesh.tet_count();
-  statistics["tries"] = result.tries;
+  statistics["tries"] = result.attempts.size();
+  statistics["attempts"] = describe_attempts(result.attempts);
   statistics["preparations_judged"] = describe_preparations(result.preparations_judged);
   statistics["polycube"] = result.preparation.polycube_compactness > 0;
   statistics["feature_edges"] = field.mesh.features.size();
@@ -121,7 +139,6 @@ void describe(const Parametrization& result, Json& statistics) {
   statistics["fraction_bits"] = result.map.fraction_bits;
   statistics["expected_hexes"] = result.parametric_volume;
   if (std::isfinite(result.distortion)) statistics["distortion"] = result.distortion;
-  statistics["polycube_compactness"] = result.preparation.polycube_compactness;
   Json& seconds = statistics["cpu_seconds"];
   for (const StepTime& time : result.times) seconds[time.step] = time.cpu_seconds;
 }

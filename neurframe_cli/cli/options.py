@@ -220,9 +220,9 @@ quad_options = options(
 
 hex_options = options(
     click.option(
-        "--padding",
-        is_flag=True,
-        help="Add a layer of hexes along the boundary, where that makes nothing worse.",
+        "--padding/--no-padding",
+        default=None,
+        help="A layer of hexes along the boundary, where that makes nothing worse.  [default: where hexes are poor]",
     ),
     click.option(
         "--fill",
