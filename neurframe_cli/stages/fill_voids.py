@@ -105,7 +105,7 @@ def _filled(
     void = np.concatenate([patch, sides])
     if not len(void):
         return _compact(HybridMesh(V, H[kept], np.zeros((0, 5), np.int64), np.zeros((0, 4), np.int64)))
-    _refuse_intersections(points, void, shell, covers, H)
+    _refuse_intersections(points, void, shell, covers)
     used, local = np.unique(void, return_inverse=True)
     try:
         tets = tetrahedralize(Surface(points[used], local.reshape(-1, 3)), edge_length)
@@ -150,7 +150,7 @@ def _hexes_at(shell: HexShell, vertices: set[int]) -> Ints:
     return np.unique(shell.owner[np.isin(shell.quads, sorted(vertices)).any(axis=1)])
 
 
-def _refuse_intersections(points: Floats, void: Ints, shell: HexShell, covers: Bools, H: Ints) -> None:
+def _refuse_intersections(points: Floats, void: Ints, shell: HexShell, covers: Bools) -> None:
     """Raises _Obstacle with the hexes next to where the surface of the void runs through itself."""
     from scipy.spatial import cKDTree
 

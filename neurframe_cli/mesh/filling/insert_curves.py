@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass
 
 from neurframe_cli.mesh.arrays import Floats, Ints
 from neurframe_cli.mesh.filling.editable_surface import Edge, EditableSurface, sorted_edge
-from neurframe_cli.mesh.filling.vectors import Vector, along, cross, distance, dot, minus, unit
+from neurframe_cli.mesh.filling.vectors import Vector, along, cross, distance, dot, minus, plus, unit
 
 SNAP = 0.1  # hex edges: a point takes the place of a vertex, or splits an edge, that is so near
 NEAR_END = 0.1  # share of an edge: what crosses it nearer to an end goes through that end
@@ -71,6 +72,21 @@ def _outside_by(surface: EditableSurface, face: int, point: Vector) -> float:
     return worst
 
 
+@dataclass(frozen=True)
+class _Cut:
+    """A plane through `origin` with the unit normal `side`; vertices that the path may not pass, edges that it may not
+    cross."""
+
+    origin: Vector
+    side: Vector
+    closed: set[int]
+    locked: set[Edge]
+
+
+# where a path goes next: to a vertex, or to a point of an edge
+_Step = int | tuple[Edge, Vector]
+
+
 def connect(surface: EditableSurface, start: int, end: int, closed: set[int], locked: set[Edge]) -> list[int]:
     """Vertices of a path of edges from start to end in the plane that stands on the surface; raises Blocked.
 
@@ -82,7 +98,7 @@ def connect(surface: EditableSurface, start: int, end: int, closed: set[int], lo
     while not surface.has_edge(path[-1], end):
         if len(path) > MOST_STEPS:
             raise Blocked
-        step = _next_step(surface, path[-1], end, a, side, closed | set(path), locked)
+        step = _next_step(surface, path[-1], end, _Cut(a, side, closed | set(path), locked))
         path.append(step if isinstance(step, int) else surface.split_edge(*step[0], step[1]))
     path.append(end)
     locked |= {sorted_edge(v, w) for v, w in itertools.pairwise(path)}
@@ -93,42 +109,41 @@ def _normal_between(surface: EditableSurface, start: int, end: int) -> Vector:
     total = (0.0, 0.0, 0.0)
     for v in (start, end):
         for face in surface.around[v]:
-            total = along(total, surface.normal(face), 0.5)
+            total = plus(total, surface.normal(face))
     return total
 
 
-def _next_step(
-    surface: EditableSurface,
-    here: int,
-    end: int,
-    origin: Vector,
-    side: Vector,
-    closed: set[int],
-    locked: set[Edge],
-) -> int | tuple[Edge, Vector]:
-    """The next vertex, or the edge to split and where: what leads best to the end."""
-    p, goal = surface.points[here], unit(minus(surface.points[end], surface.points[here]))
-    best: int | tuple[Edge, Vector] | None = None
-    most = LEAST_ADVANCE
+def _next_step(surface: EditableSurface, here: int, end: int, cut: _Cut) -> _Step:
+    """The step from `here` that leads best to the end; raises Blocked where none does."""
+    p = surface.points[here]
+    goal = unit(minus(surface.points[end], p))
+    best, most = None, LEAST_ADVANCE
     for face in sorted(surface.around[here]):
-        corners = surface.faces[face]
-        at = corners.index(here)
-        x, y = corners[(at + 1) % 3], corners[(at + 2) % 3]
-        sx, sy = (dot(minus(surface.points[v], origin), side) for v in (x, y))
-        if sx * sy > 0.0 or sx == sy:
+        step = _through(surface, face, here, cut)
+        if step is None:
             continue
-        t = sx / (sx - sy)
-        point = along(surface.points[x], surface.points[y], t)
-        step: int | tuple[Edge, Vector] = ((x, y), point)
-        if t < NEAR_END and x not in closed:
-            step, point = x, surface.points[x]
-        elif t > 1.0 - NEAR_END and y not in closed:
-            step, point = y, surface.points[y]
-        elif sorted_edge(x, y) in locked:
-            continue
+        point = surface.points[step] if isinstance(step, int) else step[1]
         advance = dot(unit(minus(point, p)), goal)
         if advance > most:
             best, most = step, advance
     if best is None:
         raise Blocked
     return best
+
+
+def _through(surface: EditableSurface, face: int, here: int, cut: _Cut) -> _Step | None:
+    """Where the plane leaves the face opposite to its corner `here`: an end of that side, or a point on it."""
+    corners = surface.faces[face]
+    at = corners.index(here)
+    x, y = corners[(at + 1) % 3], corners[(at + 2) % 3]
+    sx, sy = (dot(minus(surface.points[v], cut.origin), cut.side) for v in (x, y))
+    if sx * sy > 0.0 or sx == sy:
+        return None
+    t = sx / (sx - sy)
+    if t < NEAR_END and x not in cut.closed:
+        return x
+    if t > 1.0 - NEAR_END and y not in cut.closed:
+        return y
+    if sorted_edge(x, y) in cut.locked:
+        return None
+    return (x, y), along(surface.points[x], surface.points[y], t)
