@@ -33,7 +33,7 @@ def read_vtp(path: Path) -> PolyLines:
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
     check_file(path)
-    name = os.fsencode(path)  # which need be no Unicode
+    name: Any = os.fsencode(path)  # bytes, which VTK takes, whatever its stubs say: a name need be no Unicode
     reader = vtkXMLPolyDataReader()
     reader.SetFileName(name)
     if not reader.CanReadFile(name):
