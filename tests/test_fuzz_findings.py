@@ -33,6 +33,14 @@ def test_a_ply_header_without_end(end: bytes, tmp_path: Path) -> None:
     refused(read_cells, tmp_path / "a.ply", PLY_HEADER + end, UnreadableFile, "header does not end")
 
 
+@pytest.mark.parametrize("count", [b"2147483648", b"9" * 5000])
+def test_a_ply_file_with_too_many_faces(count: bytes, tmp_path: Path) -> None:
+    """meshio stepped through all of them, and asked for memory for each."""
+    content = PLY_HEADER.replace(b"ascii", b"binary_little_endian") + b"element face " + count
+    content += b"\nproperty list uchar int vertex_indices\nend_header\n" + bytes(64)
+    refused(read_cells, tmp_path / "a.ply", content, UnreadableFile, "elements face in")
+
+
 @pytest.mark.parametrize("counts", [b"-inf 1 0", b"3 -inf 0", b"nan nan nan", b"3.5 1 0", b"1e300 1 0"])
 def test_counts_of_an_off_file(counts: bytes, tmp_path: Path) -> None:
     """Minus infinity was an OverflowError."""

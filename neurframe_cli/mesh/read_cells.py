@@ -25,6 +25,7 @@ class CellMesh:
 
 
 _END_OF_PLY_HEADER = re.compile(rb"^\s*end_header\s*$", re.MULTILINE)
+_PLY_ELEMENT = re.compile(rb"^\s*element\s+(\w{1,40})\s+(\d+)", re.MULTILINE)
 # what may stand beside the cells without being part of the mesh: hex files often list their boundary
 _ACCOMPANYING = {"hex": {"vertex", "line", "triangle", "quad"}, "quad": {"vertex", "line"}}
 
@@ -56,8 +57,8 @@ def _meshio_blocks(path: Path) -> tuple[Floats, dict[str, Ints]]:
     """Positions, and the cells by meshio's name of their kind."""
     import meshio
 
-    if path.suffix.lower() == ".ply" and not _END_OF_PLY_HEADER.search(read_bytes(path)):
-        raise UnreadableFile(f"{path}: the header does not end")  # meshio would look for its end for ever
+    if path.suffix.lower() == ".ply":
+        _check_ply(path)
     with foreign_reader(path, "meshio"):
         mesh = meshio.read(path)
         blocks = {kind: np.asarray(cells, np.int64) for kind, cells in mesh.cells_dict.items()}
@@ -68,6 +69,19 @@ def _ovm_blocks(path: Path) -> tuple[Floats, dict[str, Ints]]:
     """The same of an OpenVolumeMesh, which meshio does not know."""
     V, hexes = hexes_of_ovm(path)
     return V, {"hexahedron": hexes}
+
+
+def _check_ply(path: Path) -> None:
+    """Raises UnreadableFile for what meshio takes for ever to read: a header without end, counts beyond all bounds."""
+    content = read_bytes(path)
+    end = _END_OF_PLY_HEADER.search(content)
+    if end is None:
+        raise UnreadableFile(f"{path}: the header does not end")
+    for name, count in _PLY_ELEMENT.findall(content[: end.start()]):
+        if len(count) > 18 or int(count) > len(content):  # an element takes a byte at least
+            raise UnreadableFile(
+                f"{path}: {count[:40].decode()} elements {name.decode()} in {len(content)} bytes"
+            )
 
 
 def _off_blocks(path: Path) -> tuple[Floats, dict[str, Ints]]:
