@@ -138,5 +138,5 @@ def test_tets_and_field(one: Path, tmp_path: Path) -> None:
     other = trained(tmp_path / "cube.neurframe", 4)
     assert stage_of(other, "tetize").outputs == stage_of(one, "tetize").outputs
     losses = [stage_of(workspace, "train").report["losses"]["total"] for workspace in (one, other)]
-    # the hidden layers have the three digits of bfloat16; steps that round otherwise move the loss by less
-    assert losses[1] == pytest.approx(losses[0], rel=1e-3)
+    # measured 4e-8 apart, where a field that has learned nothing has a loss of about one
+    assert losses[1] == pytest.approx(losses[0], abs=1e-6)
