@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 from smooth_shapes import cube_hexes, cylinder_hexes, sphere_hexes
 
 from neurframe_cli.cli.main import run_command_line
@@ -17,6 +18,7 @@ from neurframe_cli.mesh.quality.hex_singular_graph import hex_singular_graph
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.mesh.write_cells import write_cells
 from neurframe_cli.mesh.write_mesh import write_surface
+from neurframe_cli.picture.mesh_data import HybridData, MeshData
 from neurframe_cli.stages.pad_hexes import pad_hexes
 
 
@@ -98,6 +100,27 @@ def test_hexes_with_pyramids_are_checked(cube: Path, capsys: pytest.CaptureFixtu
     write_hybrid(mesh, HybridMesh(whole.V, whole.hexes, inside_out, whole.tets))
     assert run_command_line(["check", str(mesh), "--against", str(cube)]) == 4
     assert "6 cells with a Jacobian" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_pictures_of_what_is_not_valid_and_of_what_was_filled(tmp_path: Path) -> None:
+    from neurframe_cli.picture.draw import draw
+
+    shape = cube_hexes(3)
+    V = shape.V.copy()
+    V[int(np.linalg.norm(V, axis=1).argmin())] = 0.5
+    trouble, filled = tmp_path / "trouble.png", tmp_path / "filled.png"
+    draw(
+        {"hexes_trouble": trouble},
+        MeshData(V, shape.cells, {"2 folded tets": np.array([[0.1] * 3, [0.9] * 3])}),
+    )
+    draw({"filled": filled}, HybridData(corner_of_pyramids(3)))
+    for path in (trouble, filled):
+        pixels = np.asarray(Image.open(path).convert("RGB"), int)
+        assert pixels.std() > 5
+    colors = np.asarray(Image.open(trouble).convert("RGB"), int)
+    red = (colors[..., 0] > 120) & (colors[..., 1] < 70) & (colors[..., 2] < 80)
+    assert red.sum() > 500  # the inverted hex
 
 
 @pytest.mark.slow

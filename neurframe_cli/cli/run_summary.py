@@ -36,7 +36,11 @@ def _mesh_lines(workspace: Workspace, kind: Kind, record: StageRecord) -> Iterat
     yield f"{_ELEMENTS[kind]}: {verdict}{f': {record.error}' if record.error else ''}"
     if record.status in ("done", "invalid"):
         yield from (f"  {line}" for line in summary(kind, record.report))
-        yield from (f"  {workspace / name}" for name in mesh_kind(kind).outputs)
+        files = [
+            *mesh_kind(kind).outputs,
+            *(name for name in mesh_kind(kind).extras if name in record.outputs),
+        ]
+        yield from (f"  {workspace / name}" for name in files)
 
 
 def plan_lines(planned: Sequence[PlannedStage], amount: Amount, speed: float, earlier: int) -> Iterator[str]:
