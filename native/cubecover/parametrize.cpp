@@ -1,7 +1,9 @@
 #include "cubecover/parametrize.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <ctime>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -123,10 +125,22 @@ std::size_t failure_count(const Parametrization& result) {
          found.unaligned_faces.size();
 }
 
-bool is_better(const Parametrization& one, const Parametrization& other) {
+constexpr double feature_worth = 2;  // a tenth of the features is worth a fifth of the distortion
+
+// Distortion, dearer for every feature of the input that the map does not follow.
+double cost_of(const Parametrization& result, const FieldMesh& input) {
+  if (input.features.empty()) return result.distortion;
+  std::vector<EdgeKey> followed;
+  std::set_intersection(input.features.begin(), input.features.end(), result.field.mesh.features.begin(),
+                        result.field.mesh.features.end(), std::back_inserter(followed));
+  const double lost = 1 - static_cast<double>(followed.size()) / static_cast<double>(input.features.size());
+  return result.distortion * (1 + feature_worth * lost);
+}
+
+bool is_better(const Parametrization& one, const Parametrization& other, const FieldMesh& input) {
   const std::size_t failures = failure_count(one);
   const std::size_t others = failure_count(other);
-  return failures < others || (failures == others && one.distortion < other.distortion);
+  return failures < others || (failures == others && cost_of(one, input) < cost_of(other, input));
 }
 
 // With more of the mesh wrong than this, the field is at fault and refining is in vain.
@@ -136,6 +150,9 @@ constexpr double worth_refining = 0.5;
 
 // Of the foldover-free energy: a polycube map that is no more distorted needs no rival.
 constexpr double hardly_distorted = 6;
+
+constexpr double far_behind = 10;                 // defect scores: a polycube so much worse is not tried
+constexpr std::int64_t polycube_budget = 200000;  // tets to solve for, all polycubes together
 
 constexpr int most_refined = 20000;  // tets; refined they are up to 100,000
 
@@ -185,8 +202,14 @@ class Search {
       if (!is_hopeless(field.defects.size(), mesh_)) waiting_.push_back(std::move(field));
     }
     sort_waiting();
-    for (PreparedField& field : waiting_) {
-      if (!done() || best_->distortion > hardly_distorted) try_field(std::move(field));
+    const double least = waiting_.empty() ? 0 : waiting_.front().score();
+    std::int64_t work = 0;
+    for (std::size_t i = 0; i < waiting_.size() && work < polycube_budget; ++i) {  // a failure may add one
+      if (done() && cost_of(*best_, mesh_) <= hardly_distorted) break;
+      PreparedField field = std::move(waiting_[i]);
+      if (field.score() > least + far_behind) continue;
+      work += field.field.mesh.tet_count();
+      try_field(std::move(field));
     }
     waiting_.clear();
   }
@@ -239,9 +262,20 @@ class Search {
     Parametrization next = solve(std::move(field), options_, steps_);
     attempts_.push_back(
         {next.preparation, next.field.mesh.features.size(), failure_count(next), next.distortion});
-    if (best_ && !is_better(next, *best_)) return;
+    if (next.preparation.is_polycube() && failure_count(next) > 0) try_with_fewer_features(next);
+    if (best_ && !is_better(next, *best_, mesh_)) return;
     best_ = std::move(next);
     best_score_ = score;
+  }
+
+  // A feature inside a label may be what a polycube fails at: it waits for a try without those at its
+  // failures.
+  void try_with_fewer_features(const Parametrization& failed) {
+    const std::vector<int> tets = failed_tets(failed);
+    if (is_hopeless(tets.size(), failed.field.mesh)) return;
+    FieldMesh released = without_inner_features_at(failed.field.mesh, tets);
+    if (released.features.size() == failed.field.mesh.features.size()) return;
+    waiting_.push_back(prepared([&] { return prepare_again(std::move(released), failed.preparation); }));
   }
 
   const FieldMesh& mesh_;

@@ -6,7 +6,6 @@
 
 #include "cubecover/octahedral_coefficients.hpp"
 #include "cubecover/rotation_field.hpp"
-#include "cubecover/surface_labels.hpp"
 
 namespace neurframe {
 
@@ -71,15 +70,21 @@ std::vector<EdgeKey> borders(const std::vector<BoundaryEdge>& edges, const std::
   return found;
 }
 
+std::vector<EdgeKey> label_borders(const FieldMesh& polycube) {
+  const std::vector<BoundaryEdge> edges =
+      find_boundary_edges(polycube, edge_rings(polycube.tets, polycube.twin));
+  return borders(edges, boundary_axes(polycube, edges));
+}
+
 }  // namespace
 
-FieldMesh polycube_field(FieldMesh mesh, double compactness) {
+FieldMesh polycube_field(FieldMesh mesh, const LabelCosts& costs) {
   const EdgeRings rings = edge_rings(mesh.tets, mesh.twin);
   const Eigen::Matrix3d background = common_frame(mesh);
   std::fill(mesh.matchings.begin(), mesh.matchings.end(), OctahedralRotation());
   std::fill(mesh.frames.begin(), mesh.frames.end(), background);
   const std::vector<BoundaryEdge> edges = find_boundary_edges(mesh, rings);
-  const std::vector<SignedAxis> labels = surface_labels(mesh, edges, compactness);
+  const std::vector<SignedAxis> labels = surface_labels(mesh, edges, costs);
   mesh.frames = rotation_field(mesh, axis_targets(mesh, rings, edges, labels), background);
   align_to_labels(mesh, labels);
   std::vector<EdgeKey> followed;
@@ -91,9 +96,37 @@ FieldMesh polycube_field(FieldMesh mesh, double compactness) {
 }
 
 FieldMesh without_inner_features(FieldMesh polycube) {
-  const EdgeRings rings = edge_rings(polycube.tets, polycube.twin);
-  const std::vector<BoundaryEdge> edges = find_boundary_edges(polycube, rings);
-  polycube.features = borders(edges, boundary_axes(polycube, edges));
+  polycube.features = label_borders(polycube);
+  return polycube;
+}
+
+FieldMesh without_inner_features_at(FieldMesh polycube, const std::vector<int>& tets) {
+  const std::vector<EdgeKey> kept = label_borders(polycube);
+  std::vector<EdgeKey> inner;
+  std::set_difference(polycube.features.begin(), polycube.features.end(), kept.begin(), kept.end(),
+                      std::back_inserter(inner));
+  std::vector<std::vector<int>> edges_of_vertex(polycube.points.size());
+  for (int e = 0; e < static_cast<int>(inner.size()); ++e) {
+    for (const int v : at(inner, e)) at(edges_of_vertex, v).push_back(e);
+  }
+  std::vector<int> reached;  // vertices whose inner features go
+  for (const int t : tets)
+    reached.insert(reached.end(), at(polycube.tets, t).begin(), at(polycube.tets, t).end());
+  std::vector<char> released(inner.size(), 0);
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    for (const int e : at(edges_of_vertex, reached[i])) {
+      if (at(released, e)) continue;
+      at(released, e) = 1;
+      for (const int v : at(inner, e)) {
+        if (at(edges_of_vertex, v).size() == 2) reached.push_back(v);
+      }
+    }
+  }
+  std::erase_if(polycube.features, [&](const EdgeKey& edge) {
+    const auto found = std::lower_bound(inner.begin(), inner.end(), edge);
+    return found != inner.end() && *found == edge &&
+           released[static_cast<std::size_t>(found - inner.begin())];
+  });
   return polycube;
 }
 

@@ -15,7 +15,7 @@ namespace neurframe {
 namespace {
 
 constexpr int diffusion_rounds = 20;
-constexpr double compactnesses[] = {0.5, 1, 3};  // of polycube labels
+constexpr LabelCosts label_costs[] = {{1, 0}, {1, 3}, {0.5, 0}, {3, 0}, {3, 3}};
 constexpr int restart_budget = 300000;           // tets that restarts may prepare again, all tries together
 constexpr double restart_radii[] = {1.5, 3, 5};  // mean edge lengths
 constexpr double restart_sources[] = {0, 0.4, 0.8};  // along the rim
@@ -35,7 +35,7 @@ PreparedField matched_field(FieldMesh framed, const Preparation& preparation) {
   PreparedField prepared;
   prepared.preparation = preparation;
   prepared.framed = framed;
-  if (preparation.polycube_compactness == 0) {
+  if (!preparation.is_polycube()) {
     match_faces(framed);
     straighten_singular_lines(framed);
   }
@@ -48,7 +48,7 @@ PreparedField matched_field(FieldMesh framed, const Preparation& preparation) {
   for (Defect& defect : degenerate_tets(prepared.field, prepared.map))
     prepared.defects.push_back(std::move(defect));
   // a polycube's labels turn where the surface is smooth: there the frame says nothing of the turn
-  if (preparation.polycube_compactness > 0)
+  if (preparation.is_polycube())
     std::erase_if(prepared.defects, [](const Defect& d) { return d.kind == Defect::Kind::crooked_sector; });
   return prepared;
 }
@@ -70,16 +70,20 @@ std::vector<Preparation> usual_preparations() {
   return {{0, 0}, {0, diffusion_rounds}};
 }
 
+PreparedField prepare_again(FieldMesh mesh, const Preparation& preparation) {
+  return matched_field(std::move(mesh), preparation);
+}
+
 std::vector<PreparedField> polycubes(FieldMesh mesh) {
   separate_boundary(mesh);
   std::vector<PreparedField> prepared;
   std::set<std::vector<EdgeKey>> seen;
-  for (const double compactness : compactnesses) {
-    FieldMesh whole = polycube_field(mesh, compactness);
+  for (const LabelCosts& costs : label_costs) {
+    FieldMesh whole = polycube_field(mesh, costs);
     FieldMesh bare = without_inner_features(whole);
     for (FieldMesh* framed : {&whole, &bare}) {
       if (seen.insert(framed->features).second)
-        prepared.push_back(matched_field(std::move(*framed), {0, 0, compactness}));
+        prepared.push_back(matched_field(std::move(*framed), {0, 0, costs}));
     }
   }
   return prepared;
@@ -174,7 +178,7 @@ PreparedField refined_around(const FieldMesh& mesh, const Preparation& preparati
   FieldMesh refined = mesh;
   split_independent(refined, targets);
   separate_boundary(refined);
-  if (preparation.polycube_compactness == 0) align_boundary_layer(refined);
+  if (!preparation.is_polycube()) align_boundary_layer(refined);
   return matched_field(std::move(refined), preparation);
 }
 

@@ -9,9 +9,11 @@ namespace neurframe {
 
 // How to prepare.  No setting suits every field, so several are judged by the defects that they leave.
 struct Preparation {
-  double longest_edge = 0;          // edges are halved down to this first; 0 for no limit
-  int diffusion_rounds = 0;         // of the frames; 0 takes them as they are
-  double polycube_compactness = 0;  // of the labels of a polycube; 0 for the frames
+  double longest_edge = 0;   // edges are halved down to this first; 0 for no limit
+  int diffusion_rounds = 0;  // of the frames; 0 takes them as they are
+  LabelCosts polycube = {};  // of the labels that replace the frames, where compactness is not 0
+
+  bool is_polycube() const { return polycube.compactness > 0; }
 };
 
 struct PreparationScore {
@@ -48,6 +50,9 @@ PreparedField with_local_restarts(PreparedField prepared);
 // Polycubes, distinct from each other, with labels of different compactness, with the features inside the
 // labels and without.
 std::vector<PreparedField> polycubes(FieldMesh mesh);
+
+// A field that was prepared before, with other features.
+PreparedField prepare_again(FieldMesh mesh, const Preparation& preparation);
 
 // The same field with the edges of the tets that failed halved, so that the next try has room there.
 PreparedField refined_around(const FieldMesh& mesh, const Preparation& preparation,

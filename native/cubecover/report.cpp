@@ -76,7 +76,8 @@ Json describe_preparation(const Preparation& preparation) {
   Json entry;
   entry["longest_edge"] = preparation.longest_edge;
   entry["diffusion_rounds"] = preparation.diffusion_rounds;
-  entry["polycube_compactness"] = preparation.polycube_compactness;
+  entry["polycube_compactness"] = preparation.polycube.compactness;
+  entry["polycube_straightness"] = preparation.polycube.straightness;
   return entry;
 }
 
@@ -116,7 +117,7 @@ void describe(const Parametrization& result, Json& statistics) {
   statistics["tries"] = result.attempts.size();
   statistics["attempts"] = describe_attempts(result.attempts);
   statistics["preparations_judged"] = describe_preparations(result.preparations_judged);
-  statistics["polycube"] = result.preparation.polycube_compactness > 0;
+  statistics["polycube"] = result.preparation.is_polycube();
   statistics["feature_edges"] = field.mesh.features.size();
   statistics["singular_edges"] = field.singular.edges.size();
   statistics["singular_arcs"] = describe_arcs(field);

@@ -32,7 +32,7 @@ double bell(double offset, double width) {
 
 class Labelling {
  public:
-  Labelling(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges, double compactness)
+  Labelling(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges, const LabelCosts& costs)
       : mesh_(mesh), edges_(edges), face_of_(mesh.twin.size(), -1) {
     for (int h = 0; h < mesh.half_face_count(); ++h) {
       if (at(mesh.twin, h) >= 0) continue;
@@ -42,7 +42,7 @@ class Labelling {
     double area = 0;
     for (const int h : half_faces_) area += area_vector(mesh, h).norm();
     mean_area_ = area / static_cast<double>(half_faces_.size());
-    for (const BoundaryEdge& edge : edges) links_.push_back(link_of(edge, compactness));
+    for (const BoundaryEdge& edge : edges) links_.push_back(link_of(edge, costs));
     set_fidelity();
   }
 
@@ -71,21 +71,29 @@ class Labelling {
  private:
   struct Link {
     int face[2];
-    double cost;      // of a border between the two
-    double opposite;  // ... with opposite labels: a fold, however sharp the edge
+    double cost;        // of a border between the two
+    double opposite;    // ... with opposite labels: a fold, however sharp the edge
+    double crooked[3];  // added where the border should run along this axis: how far it does not
   };
 
   int face_count() const { return static_cast<int>(half_faces_.size()); }
   Eigen::Vector3d normal(int face) const { return area_vector(mesh_, at(half_faces_, face)).normalized(); }
 
-  Link link_of(const BoundaryEdge& edge, double compactness) const {
-    Link link{{at(face_of_, edge.begin_face), at(face_of_, edge.end_face)}, 0, 0};
+  Link link_of(const BoundaryEdge& edge, const LabelCosts& costs) const {
+    Link link{{at(face_of_, edge.begin_face), at(face_of_, edge.end_face)}, 0, 0, {}};
     const double bend = 1 - normal(link.face[0]).dot(normal(link.face[1]));
     // in units of the mean edge of the surface, as fidelity is in units of the mean face
     const double length =
         edge_length(mesh_, edge_key(edge.vertices[0], edge.vertices[1])) / std::sqrt(mean_area_);
-    link.cost = compactness * length * bell(bend, compactness_width);
+    link.cost = costs.compactness * length * bell(bend, compactness_width);
     link.opposite = 2 * link.cost + fold_cost * length;
+    const Eigen::Vector3d along =
+        (at(mesh_.points, edge.vertices[1]) - at(mesh_.points, edge.vertices[0])).normalized();
+    for (int axis = 0; axis < 3; ++axis) {
+      const double cosine = at(mesh_.frames, edge.begin_face / 4).col(axis).dot(along);
+      // up to 45 degrees off is what the triangles of a smooth surface do by chance
+      link.crooked[axis] = costs.straightness * length * std::max(0.0, 1 - 2 * cosine * cosine);
+    }
     return link;
   }
 
@@ -108,7 +116,7 @@ class Labelling {
 
   static double border_cost(const Link& link, int a, int b) {
     if (a == b) return 0;
-    return a / 2 == b / 2 ? link.opposite : link.cost;
+    return a / 2 == b / 2 ? link.opposite : link.cost + link.crooked[3 - a / 2 - b / 2];
   }
 
   void expand_all() {
@@ -258,8 +266,8 @@ class Labelling {
 }  // namespace
 
 std::vector<SignedAxis> surface_labels(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges,
-                                       double compactness) {
-  Labelling labelling(mesh, edges, compactness);
+                                       const LabelCosts& costs) {
+  Labelling labelling(mesh, edges, costs);
   labelling.solve();
   return labelling.axes();
 }

@@ -5,13 +5,17 @@
 
 namespace neurframe {
 
+struct LabelCosts {
+  double compactness = 0;   // of the length of borders; those along sharp edges are nearly free
+  double straightness = 0;  // of the length of borders across the axis that their image will follow
+};
+
 // Labels along the frames behind the faces: for each face the signed axis whose direction is near its outward
 // normal, in few and compact patches.  They minimise, by alpha-expansion (Boykov, Veksler and Zabih 2001),
-// the fidelity and compactness terms of Livesu et al. 2013 (PolyCut, section 4): `compactness` weighs the
-// length of the patches' borders, those along sharp edges being nearly free, and a border between opposite
-// directions, which has no place in a polycube, costs more than any other.  Patches with fewer than four
-// corners cannot be rectangles; they are given up in favour of their neighbours as far as that goes.
+// the fidelity and compactness terms of Livesu et al. 2013 (PolyCut, section 4): a border between
+// opposite directions, which has no place in a polycube, costs more than any other.  Patches with fewer than
+// four corners cannot be rectangles; they are given up in favour of their neighbours as far as that goes.
 std::vector<SignedAxis> surface_labels(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges,
-                                       double compactness);
+                                       const LabelCosts& costs);
 
 }  // namespace neurframe
