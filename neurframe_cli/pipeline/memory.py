@@ -15,7 +15,7 @@ _NEEDS: dict[str, dict[str, float]] = {
     "tetize": {"constant": 450.0, "tets": 4.0, "faces": 10.0},
     "train": {"constant": 400.0, "tets": 9.0},
     "discretize": {"constant": 450.0, "tets": 1.5, "faces": 2.0},
-    "quad": {"constant": 400.0, "faces": 10.0, "quads": 12.0},
+    "quad": {"constant": 400.0, "faces": 10.0, "quads": 7.0},
     "hex": {"constant": 400.0, "tets": 8.0, "hexes": 12.0},
 }
 _PASSED_THROUGH = {"constant": 150.0, "tets": 1.2}  # tetize of a tet mesh only checks it
