@@ -2,112 +2,13 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <ctime>
 #include <iterator>
 #include <optional>
 #include <utility>
 
-#include "cubecover/quantize.hpp"
-#include "cubecover/separation.hpp"
-#include "cubecover/untangle.hpp"
-
 namespace neurframe {
 
 namespace {
-
-// Runs the steps, says so, and adds up their CPU seconds.
-class Steps {
- public:
-  explicit Steps(const ProgressCallback& progress) : progress_(progress) {}
-
-  template <class Body>
-  auto run(double fraction, const std::string& name, const Body& body) {
-    progress_(fraction, name);
-    const Timer timer{times_, name, std::clock()};
-    return body();
-  }
-
-  const std::vector<StepTime>& times() const { return times_; }
-
- private:
-  struct Timer {
-    std::vector<StepTime>& times;
-    std::string name;
-    std::clock_t start;
-    ~Timer() {
-      const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-      const auto found =
-          std::find_if(times.begin(), times.end(), [&](const StepTime& t) { return t.step == name; });
-      if (found != times.end()) {
-        found->cpu_seconds += seconds;
-      } else {
-        times.push_back({name, seconds});
-      }
-    }
-  };
-
-  const ProgressCallback& progress_;
-  std::vector<StepTime> times_;
-};
-
-std::vector<Eigen::Matrix3d> relative_gradients(const TetTargets& targets, const ReducedMap& map,
-                                                const Eigen::VectorXd& columns) {
-  const Eigen::VectorXd rows = evaluate(map, columns);
-  std::vector<Eigen::Matrix3d> gradients;
-  for (int t = 0; t < static_cast<int>(targets.weight.size()); ++t) {
-    gradients.push_back(relative_gradient(targets, map, rows, t));
-  }
-  return gradients;
-}
-
-// Integers for the seamless map, and the reals that follow them with the least change of its gradients.
-Eigen::VectorXd with_integers(PreparedField& prepared, const TetTargets& targets,
-                              const Eigen::VectorXd& seamless, Parametrization& result) {
-  const ReducedMap& map = prepared.map;
-  const QuadraticEnergy energy = quadratic_energy(targets, map, relative_gradients(targets, map, seamless));
-  const std::vector<SeparationRow> rows =
-      separation_rows(prepared.field, prepared.elimination, map, evaluate(map, seamless));
-  const Quantization integers =
-      quantize(schur_complement(energy, map.real_count), seamless.tail(map.integer_count), rows);
-  result.separation_rows = static_cast<int>(rows.size());
-  result.violated_rows = integers.violated_rows;
-  Eigen::VectorXd columns = seamless;
-  columns.tail(map.integer_count) = integers.integers;
-  return minimise(energy, columns, map.real_count);
-}
-
-Parametrization solve(PreparedField prepared, const ParametrizeOptions& options, Steps& steps) {
-  Parametrization result;
-  const ReducedMap& map = prepared.map;
-  const TetTargets targets = make_targets(prepared.field.mesh, options.cell_length);
-  const Eigen::VectorXd poisson = steps.run(0.2, "poisson", [&] {
-    const Eigen::VectorXd start = Eigen::VectorXd::Zero(map.column_count());
-    return minimise(quadratic_energy(targets, map, {}), start, map.column_count());
-  });
-  const UntangleResult seamless = steps.run(0.3, "untangle seamless map", [&] {
-    return untangle(targets, map, poisson, map.column_count(), options.threads);
-  });
-  const Eigen::VectorXd rounded =
-      steps.run(0.6, "quantize", [&] { return with_integers(prepared, targets, seamless.columns, result); });
-  const UntangleResult unfolded = steps.run(0.7, "untangle integer-grid map", [&] {
-    return untangle(targets, map, rounded, map.real_count, options.threads);
-  });
-  result.map = steps.run(0.95, "fixed-point grid", [&] { return round_to_grid(map, unfolded.columns); });
-  result.verification = steps.run(0.97, "verify", [&] { return verify(prepared.field, result.map); });
-  result.flips = {seamless.before.count, seamless.after.count, unfolded.before.count, unfolded.after.count,
-                  static_cast<int>(result.verification.folded_tets.size())};
-  result.seamless_iterations = seamless.iterations;
-  result.final_iterations = unfolded.iterations;
-  result.parametric_volume = parametric_volume(map, evaluate(map, unfolded.columns));
-  result.distortion = mean_distortion(targets, map, evaluate(map, unfolded.columns));
-  result.real_unknowns = map.real_count;
-  result.integer_unknowns = map.integer_count;
-  result.basis_changes = prepared.elimination.basis_changes();
-  result.preparation = prepared.preparation;
-  result.defects = std::move(prepared.defects);
-  result.field = std::move(prepared.field);
-  return result;
-}
 
 std::vector<int> failed_tets(const Parametrization& result) {
   std::vector<int> tets = result.verification.folded_tets;
@@ -259,7 +160,7 @@ class Search {
 
   void try_field(PreparedField field) {
     const double score = field.score();
-    Parametrization next = solve(std::move(field), options_, steps_);
+    Parametrization next = solve_map(std::move(field), options_, steps_);
     attempts_.push_back(
         {next.preparation, next.field.mesh.features.size(), failure_count(next), next.distortion});
     if (next.preparation.is_polycube() && failure_count(next) > 0) try_with_fewer_features(next);
@@ -293,7 +194,7 @@ class Search {
 Parametrization solve_prepared(PreparedField prepared, const ParametrizeOptions& options,
                                const ProgressCallback& progress) {
   Steps steps(progress);
-  return solve(std::move(prepared), options, steps);
+  return solve_map(std::move(prepared), options, steps);
 }
 
 Parametrization parametrize(const FieldMesh& mesh, const ParametrizeOptions& options,

@@ -1,11 +1,9 @@
 // From a tet mesh with one frame per tet to an integer-grid map: the whole method, step by step.
 #pragma once
 
-#include <functional>
-#include <string>
-
 #include "cubecover/exact_map.hpp"
 #include "cubecover/preparation.hpp"
+#include "cubecover/steps.hpp"
 
 namespace neurframe {
 
@@ -16,11 +14,6 @@ struct ParametrizeOptions {
   int retries = 2;         // more tries, on a mesh that is refined where the map is not valid
   int threads = 1;         // for the energies; the result does not depend on it
   Polycubes polycubes = Polycubes::where_needed;
-};
-
-struct StepTime {
-  std::string step;
-  double cpu_seconds;  // of all tries together
 };
 
 struct FlipCounts {  // tets without positive determinant after each step
@@ -60,9 +53,10 @@ struct Parametrization {
   std::vector<StepTime> times;
 };
 
-using ProgressCallback = std::function<void(double fraction, const std::string& step)>;
+// The map of one prepared field (solve_map.cpp).
+Parametrization solve_map(PreparedField prepared, const ParametrizeOptions& options, Steps& steps);
 
-// The map of one prepared field.
+// The same on its own.
 Parametrization solve_prepared(PreparedField prepared, const ParametrizeOptions& options,
                                const ProgressCallback& progress);
 
