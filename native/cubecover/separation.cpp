@@ -25,6 +25,19 @@ Eigen::Vector3d axis_vector(SignedAxis axis) {
   return axis.sign * Eigen::Vector3d::Unit(axis.axis);
 }
 
+// A distance that is always zero is not: the defect gate reports what is squeezed between.
+bool is_integral(const Elimination& elimination, const Combination& distance) {
+  return !distance.empty() && std::all_of(distance.begin(), distance.end(), [&](const Term& term) {
+    return elimination.is_integer(term.unknown) && term.coefficient.denominator == 1;
+  });
+}
+
+SeparationRow row_of(const ReducedMap& map, const Combination& distance) {
+  SeparationRow row;
+  for (const Rational& coefficient : integer_row(map, distance)) row.push_back(coefficient.value());
+  return row;
+}
+
 class RayCaster {
  public:
   RayCaster(const CombedField& field, Elimination& elimination, const ReducedMap& map,
@@ -176,14 +189,7 @@ class RayCaster {
 
   void meet(const Ray& ray, const Combination& target) {
     const Combination distance = add_scaled(target, Rational(-1), ray.source);
-    if (distance.empty()) return;  // always equal: the defect gate reports what is squeezed between
-    const bool integral = std::all_of(distance.begin(), distance.end(), [&](const Term& term) {
-      return elimination_.is_integer(term.unknown) && term.coefficient.denominator == 1;
-    });
-    if (!integral) return;
-    SeparationRow row;
-    for (const Rational& coefficient : integer_row(map_, distance)) row.push_back(coefficient.value());
-    found_.insert(std::move(row));
+    if (is_integral(elimination_, distance)) found_.insert(row_of(map_, distance));
   }
 
   const CombedField& field_;
@@ -200,6 +206,33 @@ class RayCaster {
 std::vector<SeparationRow> separation_rows(const CombedField& field, Elimination& elimination,
                                            const ReducedMap& map, const Eigen::VectorXd& rows) {
   return RayCaster(field, elimination, map, rows).cast_all();
+}
+
+std::vector<SeparationRow> collapsed_rows(const CombedField& field, Elimination& elimination,
+                                          const ReducedMap& map, const Eigen::VectorXd& seamless_rows,
+                                          const Eigen::VectorXd& rounded_rows, const std::vector<int>& tets) {
+  std::set<SeparationRow> found;
+  for (const int tet : tets) {
+    const Eigen::Matrix<double, 3, 4> apart = corner_parameters(map, seamless_rows, tet);
+    const Eigen::Matrix<double, 3, 4> together = corner_parameters(map, rounded_rows, tet);
+    double farthest = least_distance;
+    SeparationRow row;
+    for (const auto& [a, b] : tet_edges) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const double gap = apart(axis, a) - apart(axis, b);
+        const bool collapsed = std::abs(together(axis, a) - together(axis, b)) < least_distance;
+        if (!collapsed || std::abs(gap) <= farthest) continue;
+        const Combination distance =
+            add_scaled(elimination.resolve(coordinate_unknown(field, tet, a, axis)), Rational(-1),
+                       elimination.resolve(coordinate_unknown(field, tet, b, axis)));
+        if (!is_integral(elimination, distance)) continue;
+        farthest = std::abs(gap);
+        row = row_of(map, add_scaled({}, Rational(gap > 0 ? 1 : -1), distance));
+      }
+    }
+    if (!row.empty()) found.insert(std::move(row));
+  }
+  return {found.begin(), found.end()};
 }
 
 }  // namespace neurframe

@@ -16,4 +16,10 @@ using SeparationRow = std::vector<double>;
 std::vector<SeparationRow> separation_rows(const CombedField& field, Elimination& elimination,
                                            const ReducedMap& map, const Eigen::VectorXd& rows);
 
+// For each of the tets, which rounding has left without volume: the two of its corners that lie at one
+// integer although the seamless map has them apart, the farthest apart, shall be so again.
+std::vector<SeparationRow> collapsed_rows(const CombedField& field, Elimination& elimination,
+                                          const ReducedMap& map, const Eigen::VectorXd& seamless_rows,
+                                          const Eigen::VectorXd& rounded_rows, const std::vector<int>& tets);
+
 }  // namespace neurframe

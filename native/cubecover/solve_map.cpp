@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "cubecover/parametrize.hpp"
@@ -19,21 +20,72 @@ std::vector<Eigen::Matrix3d> relative_gradients(const TetTargets& targets, const
   return gradients;
 }
 
-// Integers for the seamless map, and the reals that follow them with the least change of its gradients.
-Eigen::VectorXd with_integers(PreparedField& prepared, const TetTargets& targets,
-                              const Eigen::VectorXd& seamless, Parametrization& result) {
-  const ReducedMap& map = prepared.map;
-  const QuadraticEnergy energy = quadratic_energy(targets, map, relative_gradients(targets, map, seamless));
-  const std::vector<SeparationRow> rows =
-      separation_rows(prepared.field, prepared.elimination, map, evaluate(map, seamless));
-  const Quantization integers =
-      quantize(schur_complement(energy, map.real_count), seamless.tail(map.integer_count), rows);
-  result.separation_rows = static_cast<int>(rows.size());
-  result.violated_rows = integers.violated_rows;
-  Eigen::VectorXd columns = seamless;
-  columns.tail(map.integer_count) = integers.integers;
-  return minimise(energy, columns, map.real_count);
-}
+constexpr int most_roundings = 4;  // each keeps apart what the one before has let collapse
+
+// Integers for the seamless map, and reals that follow them, until no tet that they fold is seen to be
+// squeezed between two equal integers.
+class IntegerGrid {
+ public:
+  IntegerGrid(PreparedField& prepared, const TetTargets& targets, const Eigen::VectorXd& seamless,
+              const ParametrizeOptions& options, Steps& steps)
+      : prepared_(prepared), targets_(targets), seamless_(seamless), options_(options), steps_(steps) {}
+
+  UntangleResult solve(Parametrization& result) {
+    steps_.run(0.6, "quantize", [&] { prepare(); });
+    UntangleResult unfolded;
+    for (int rounding = 0; rounding < most_roundings; ++rounding) {
+      unfolded = round();
+      result.map =
+          steps_.run(0.95, "fixed-point grid", [&] { return round_to_grid(map_, unfolded.columns); });
+      result.verification = steps_.run(0.97, "verify", [&] { return verify(prepared_.field, result.map); });
+      if (!keep_apart(result.verification.folded_tets, unfolded.columns)) break;
+    }
+    result.separation_rows = static_cast<int>(rows_.size());
+    result.violated_rows = violated_rows_;
+    return unfolded;
+  }
+
+ private:
+  void prepare() {
+    energy_ = quadratic_energy(targets_, map_, relative_gradients(targets_, map_, seamless_));
+    schur_ = schur_complement(energy_, map_.real_count);
+    rows_ = separation_rows(prepared_.field, prepared_.elimination, map_, evaluate(map_, seamless_));
+  }
+
+  // The reals follow the integers with the least change of the seamless map's gradients, then unfold.
+  UntangleResult round() {
+    const Eigen::VectorXd rounded = steps_.run(0.6, "quantize", [&] {
+      const Quantization integers = quantize(schur_, seamless_.tail(map_.integer_count), rows_);
+      violated_rows_ = integers.violated_rows;
+      Eigen::VectorXd columns = seamless_;
+      columns.tail(map_.integer_count) = integers.integers;
+      return minimise(energy_, columns, map_.real_count);
+    });
+    return steps_.run(0.7, "untangle integer-grid map",
+                      [&] { return untangle(targets_, map_, rounded, map_.real_count, options_.threads); });
+  }
+
+  bool keep_apart(const std::vector<int>& folded_tets, const Eigen::VectorXd& columns) {
+    const std::size_t before = rows_.size();
+    for (SeparationRow& row :
+         collapsed_rows(prepared_.field, prepared_.elimination, map_, evaluate(map_, seamless_),
+                        evaluate(map_, columns), folded_tets)) {
+      if (std::find(rows_.begin(), rows_.end(), row) == rows_.end()) rows_.push_back(std::move(row));
+    }
+    return rows_.size() > before;
+  }
+
+  PreparedField& prepared_;
+  const TetTargets& targets_;
+  const Eigen::VectorXd& seamless_;
+  const ParametrizeOptions& options_;
+  Steps& steps_;
+  const ReducedMap& map_ = prepared_.map;
+  QuadraticEnergy energy_;
+  Eigen::MatrixXd schur_;
+  std::vector<SeparationRow> rows_;
+  int violated_rows_ = 0;
+};
 
 }  // namespace
 
@@ -48,13 +100,8 @@ Parametrization solve_map(PreparedField prepared, const ParametrizeOptions& opti
   const UntangleResult seamless = steps.run(0.3, "untangle seamless map", [&] {
     return untangle(targets, map, poisson, map.column_count(), options.threads);
   });
-  const Eigen::VectorXd rounded =
-      steps.run(0.6, "quantize", [&] { return with_integers(prepared, targets, seamless.columns, result); });
-  const UntangleResult unfolded = steps.run(0.7, "untangle integer-grid map", [&] {
-    return untangle(targets, map, rounded, map.real_count, options.threads);
-  });
-  result.map = steps.run(0.95, "fixed-point grid", [&] { return round_to_grid(map, unfolded.columns); });
-  result.verification = steps.run(0.97, "verify", [&] { return verify(prepared.field, result.map); });
+  const UntangleResult unfolded =
+      IntegerGrid(prepared, targets, seamless.columns, options, steps).solve(result);
   result.flips = {seamless.before.count, seamless.after.count, unfolded.before.count, unfolded.after.count,
                   static_cast<int>(result.verification.folded_tets.size())};
   result.seamless_iterations = seamless.iterations;
