@@ -52,7 +52,7 @@ constexpr double worth_refining = 0.5;
 // Of the foldover-free energy: a polycube map that is no more distorted needs no rival.
 constexpr double hardly_distorted = 6;
 
-constexpr double far_behind = 10;                 // defect scores: a polycube so much worse is not tried
+constexpr double most_doubtful = 10;              // defect score of a polycube that is worth a try
 constexpr std::int64_t polycube_budget = 200000;  // tets to solve for, all polycubes together
 
 constexpr int most_refined = 20000;  // tets; refined they are up to 100,000
@@ -98,21 +98,26 @@ class Search {
   // labels decide how bent the cells are, so the least distorted of the valid maps is taken.
   void try_polycubes() {
     if (done()) return;
-    for (PreparedField& field : steps_.run(0.0, "prepare", [&] { return polycubes(mesh_); })) {
-      judged_.push_back(field.judged());
-      if (!is_hopeless(field.defects.size(), mesh_)) waiting_.push_back(std::move(field));
-    }
-    sort_waiting();
-    const double least = waiting_.empty() ? 0 : waiting_.front().score();
-    std::int64_t work = 0;
-    for (std::size_t i = 0; i < waiting_.size() && work < polycube_budget; ++i) {  // a failure may add one
-      if (done() && cost_of(*best_, mesh_) <= hardly_distorted) break;
-      PreparedField field = std::move(waiting_[i]);
-      if (field.score() > least + far_behind) continue;
+    PolycubeSequence sequence(mesh_);
+    std::optional<PreparedField> doubtful;  // the soundest of those that are hardly worth a try
+    for (std::int64_t work = 0; work < polycube_budget && !is_content();) {
+      if (waiting_.empty()) {
+        std::optional<PreparedField> next = steps_.run(0.0, "prepare", [&] { return sequence.next(); });
+        if (!next) break;
+        judged_.push_back(next->judged());
+        if (next->score() > most_doubtful) {
+          if (!doubtful || next->score() < doubtful->score()) doubtful = std::move(next);
+          continue;
+        }
+        waiting_.push_back(std::move(*next));
+      }
+      PreparedField field = std::move(waiting_.back());
+      waiting_.pop_back();
       work += field.field.mesh.tet_count();
-      try_field(std::move(field));
+      try_field(std::move(field));  // where it fails, it may wait again with fewer features
     }
     waiting_.clear();
+    if (!done() && doubtful) try_field(std::move(*doubtful));
   }
 
   void retry_around_failures() {
@@ -137,6 +142,7 @@ class Search {
 
  private:
   bool done() const { return best_ && best_->verification.valid(); }
+  bool is_content() const { return done() && cost_of(*best_, mesh_) <= hardly_distorted; }
 
   template <class Make>
   PreparedField prepared(const Make& make) {
@@ -145,13 +151,9 @@ class Search {
     return field;
   }
 
-  void sort_waiting() {
+  void try_waiting() {
     std::stable_sort(waiting_.begin(), waiting_.end(),
                      [](const PreparedField& a, const PreparedField& b) { return a.score() < b.score(); });
-  }
-
-  void try_waiting() {
-    sort_waiting();
     for (PreparedField& field : waiting_) {
       if (!done()) try_field(std::move(field));
     }

@@ -1,7 +1,7 @@
 #include "cubecover/preparation.hpp"
 
 #include <algorithm>
-#include <set>
+#include <iterator>
 #include <utility>
 
 #include "cubecover/local_restart.hpp"
@@ -74,19 +74,25 @@ PreparedField prepare_again(FieldMesh mesh, const Preparation& preparation) {
   return matched_field(std::move(mesh), preparation);
 }
 
-std::vector<PreparedField> polycubes(FieldMesh mesh) {
-  separate_boundary(mesh);
-  std::vector<PreparedField> prepared;
-  std::set<std::vector<EdgeKey>> seen;
-  for (const LabelCosts& costs : label_costs) {
-    FieldMesh whole = polycube_field(mesh, costs);
-    FieldMesh bare = without_inner_features(whole);
-    for (FieldMesh* framed : {&whole, &bare}) {
-      if (seen.insert(framed->features).second)
-        prepared.push_back(matched_field(std::move(*framed), {0, 0, costs}));
-    }
+PolycubeSequence::PolycubeSequence(FieldMesh mesh) : mesh_(std::move(mesh)) {
+  separate_boundary(mesh_);
+}
+
+// Of each setting of the costs first the one with all features.
+FieldMesh PolycubeSequence::next_field() {
+  const std::size_t taken = taken_++;
+  if (taken % 2 == 1) return without_inner_features(with_features_);
+  with_features_ = polycube_field(mesh_, label_costs[taken / 2]);
+  return with_features_;
+}
+
+std::optional<PreparedField> PolycubeSequence::next() {
+  while (taken_ < 2 * std::size(label_costs)) {
+    const LabelCosts& costs = label_costs[taken_ / 2];
+    FieldMesh field = next_field();
+    if (seen_.insert(field.features).second) return matched_field(std::move(field), {0, 0, costs});
   }
-  return prepared;
+  return {};
 }
 
 Preparation refined_preparation(const FieldMesh& mesh) {

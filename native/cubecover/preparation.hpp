@@ -1,6 +1,9 @@
 // From a mesh with frames to one that can carry a map: splits, alignment, matchings, constraints.
 #pragma once
 
+#include <optional>
+#include <set>
+
 #include "cubecover/defects.hpp"
 #include "cubecover/frame_diffusion.hpp"
 #include "cubecover/polycube.hpp"
@@ -47,9 +50,22 @@ Preparation refined_preparation(const FieldMesh& mesh);
 // The field with frames started anew round its defects, ball by ball, wherever that lowers the defect score.
 PreparedField with_local_restarts(PreparedField prepared);
 
-// Polycubes, distinct from each other, with labels of different compactness, with the features inside the
-// labels and without.
-std::vector<PreparedField> polycubes(FieldMesh mesh);
+// Polycubes of a solid one after the other, distinct from each other: with labels of different costs, with
+// the features inside the labels and without.
+class PolycubeSequence {
+ public:
+  explicit PolycubeSequence(FieldMesh mesh);
+
+  std::optional<PreparedField> next();  // none after the last one
+
+ private:
+  FieldMesh next_field();
+
+  FieldMesh mesh_;
+  std::size_t taken_ = 0;
+  FieldMesh with_features_;
+  std::set<std::vector<EdgeKey>> seen_;  // the features of those that were there
+};
 
 // A field that was prepared before, with other features.
 PreparedField prepare_again(FieldMesh mesh, const Preparation& preparation);

@@ -226,7 +226,7 @@ static void test_refusals() {
 
 static void test_threads_do_not_matter() {
   std::mt19937 random(3);
-  QuadMap map = sector_map(5, 30, 40);
+  QuadMap map = sector_map(1, 30, 40);
   fold_square(map, 1.2, std::ldexp(1.0, -20), random);
   const Result one = extracted(map, 1);
   CHECK(one.report.flipped > 0);
