@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
 from pathlib import Path
 
 import faults
@@ -12,6 +14,10 @@ import pytest
 # and interrupt.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# `python -P` tests what is installed, not the sources beside it; so do the processes that the tests start.
+if sys.flags.safe_path:
+    os.environ["PYTHONSAFEPATH"] = "1"
 
 
 @pytest.fixture(scope="session")
