@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from faults import OUTPUTS, STAGES, assert_clear, clean_environment, copy_of, neurframe, words
+from faults import CUBE, OUTPUTS, STAGES, assert_clear, clean_environment, copy_of, neurframe, words
 
 import neurframe_cli
 from neurframe_cli.cli.main import run_command_line
@@ -120,7 +120,7 @@ def test_children_do_not_see_what_is_exported_here(monkeypatch: pytest.MonkeyPat
 
 def test_words_of_a_shell_in_a_name_are_a_name(tmp_path: Path) -> None:
     model = tmp_path / "$(touch pwned);`touch pwned` & 'quote\".stl"
-    shutil.copyfile(PACKAGE.parent / "samples" / "cube.stl", model)
+    shutil.copyfile(CUBE, model)
     ended = neurframe("tetize", str(model), "--edge-length", "0.3", "-q", cwd=tmp_path)
     assert ended.code == 0, ended.said
     assert not (tmp_path / "pwned").exists()
