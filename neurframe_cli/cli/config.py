@@ -62,7 +62,8 @@ def _document(files: Sequence[Path]) -> Iterator[str]:
 
 def _entry(option: click.Option, given: dict[str, Any]) -> Iterator[str]:
     # click marks "no default" with a sentinel of its own since 8.3, also that of a flag that is off
-    default = option.default is True if option.is_flag else option.default
+    switch = option.is_flag and not option.secondary_opts  # one of a pair may have no default
+    default = option.default is True if switch else option.default
     value = given.get(option.name or "", default)
     yield f"# {option.help}"
     if isinstance(value, bool | int | float | str):
