@@ -28,7 +28,47 @@ from neurframe_cli.errors import Cancelled, NeurframeError, StageError, TimedOut
 from neurframe_cli.pipeline.manifest import read_manifest
 
 PATIENCE_S = 180.0
-LONG = {"train": ["--iterations", "2000"]}  # the others take long enough for a signal that is sent at once
+# what makes a stage last until the signal comes: more work, or a program that never ends by itself
+LONG = {"train": ["--iterations", "2000"], "discretize": ["--pictures"]}
+ENDLESS = {"quad": "NEURFRAME_MIQ", "hex": "NEURFRAME_CUBECOVER"}
+
+
+STUBBORN = """#!/bin/sh
+trap '' TERM INT
+echo $$ > "{folder}/pid"
+while :; do sleep 1; done
+"""
+
+PATIENT = """#!/bin/sh
+echo $$ > "{folder}/pid"
+exec sleep 100000
+"""
+
+
+def program(folder: Path, text: str) -> str:
+    """An executable of its own with that text; it writes its process id to `folder`/pid."""
+    path = folder / "program.sh"
+    path.write_text(text.format(folder=folder))
+    path.chmod(0o755)
+    return str(path)
+
+
+def stubborn(folder: Path) -> str:
+    """A program that ignores every signal that can be ignored."""
+    return program(folder, STUBBORN)
+
+
+def endless(folder: Path) -> str:
+    """A program that ends when it is told to, and never before."""
+    return program(folder, PATIENT)
+
+
+def is_gone(pid: int) -> bool:
+    return not psutil.pid_exists(pid) or psutil.Process(pid).status() == psutil.STATUS_ZOMBIE
+
+
+def begun(folder: Path) -> bool:
+    return (folder / "pid").exists() and (folder / "pid").read_text().strip() != ""
 
 
 def wait_for(event: Callable[[], bool]) -> None:
@@ -45,16 +85,21 @@ def is_running(stage: str, workspace: Path) -> bool:
         return False
 
 
+def is_at_work(stage: str, workspace: Path) -> bool:
+    return begun(workspace.parent) if stage in ENDLESS else is_running(stage, workspace)
+
+
 def interrupted(stage: str, workspace: Path, number: signal.Signals) -> tuple[Ended, list[psutil.Process]]:
-    """The command, sent a signal as soon as the stage runs; and its children at that moment."""
+    """The command, sent a signal as soon as the stage is at work; and its children at that moment."""
+    folder = workspace.parent
     child = subprocess.Popen(
         command(*words(stage, workspace), *LONG.get(stage, [])),
-        env=clean_environment(),
+        env=clean_environment(**{ENDLESS[stage]: endless(folder)} if stage in ENDLESS else {}),
         stdin=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
     )
-    wait_for(lambda: is_running(stage, workspace) or child.poll() is not None)
+    wait_for(lambda: is_at_work(stage, workspace) or child.poll() is not None)
     children = psutil.Process(child.pid).children(recursive=True) if child.poll() is None else []
     child.send_signal(number)
     said = child.communicate(timeout=PATIENCE_S)[1]
@@ -78,37 +123,13 @@ def test_interruption(stage: str, number: signal.Signals, staged: dict[str, Path
         assert_same(stage, workspace, staged["done"])
 
 
-STUBBORN = """#!/bin/sh
-trap '' TERM INT
-echo $$ > "{folder}/pid"
-while :; do sleep 1; done
-"""
-
-
-def stubborn(folder: Path) -> str:
-    """A program that ignores every signal that can be ignored."""
-    path = folder / "stubborn.sh"
-    path.write_text(STUBBORN.format(folder=folder))
-    path.chmod(0o755)
-    return str(path)
-
-
-def is_gone(pid: int) -> bool:
-    return not psutil.pid_exists(pid) or psutil.Process(pid).status() == psutil.STATUS_ZOMBIE
-
-
-def begun(folder: Path) -> bool:
-    return (folder / "pid").exists() and (folder / "pid").read_text().strip() != ""
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("stage", ["quad", "hex"])
 def test_a_program_that_ignores_term_is_ended_all_the_same(
     stage: str, staged: dict[str, Path], tmp_path: Path
 ) -> None:
     workspace = copy_of(staged[stage], tmp_path)
-    variable = {"quad": "NEURFRAME_MIQ", "hex": "NEURFRAME_CUBECOVER"}[stage]
-    environment = clean_environment(**{variable: stubborn(tmp_path)})
+    environment = clean_environment(**{ENDLESS[stage]: stubborn(tmp_path)})
     child = subprocess.Popen(
         command(*words(stage, workspace)), env=environment, stderr=subprocess.PIPE, text=True
     )

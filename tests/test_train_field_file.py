@@ -110,7 +110,7 @@ def test_a_file_that_does_not_fit_together_is_refused(changes, message):
 
 
 def test_a_missing_file_and_a_plain_safetensors_file_are_refused(tmp_path):
-    with pytest.raises(UnreadableFile, match="No such file"):
+    with pytest.raises(UnreadableFile, match="no such file"):
         read_field(tmp_path / "field.safetensors")
     with pytest.raises(UnreadableFile, match="not written by neurframe"):
         field_from_bytes(save({"a": torch.zeros(2)}))

@@ -65,10 +65,12 @@ def expected_tets(surface: Surface, edge_length: float) -> float:
     """About how many tets fTetWild makes; edge_length in bounding-box diagonals.
 
     8.5 volumes of h^3 inside, 3 areas of h^2 for the finer layer at the boundary, and half a tet for each triangle of
-    the input, whose detail must be kept within epsilon.
+    the input, whose detail must be kept within epsilon. A surface without extent, which tetize refuses, has none.
     """
     diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
     h = edge_length * diagonal
+    if h == 0:
+        return 0.0
     return 8.5 * _volume(surface) / h**3 + 3 * _area(surface) / h**2 + 0.5 * len(surface.F)
 
 
