@@ -1,19 +1,12 @@
-// neurframe-cubecover whole, on a few tets: tets.mesh, tets.fra and features.json.
-#include "cubecover/map_io.hpp"
+// neurframe-cubecover whole, on a few tets.
 #include "cubecover/parametrize.hpp"
-#include "fuzz/fuzz_target.hpp"
+#include "fuzz/field_parts.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace neurframe;
   return end_as_documented([&] {
-    std::string_view rest(reinterpret_cast<const char*>(data), size);
-    TextReader tet_reader("tets.mesh", next_part(rest), '#');
-    TextReader frame_reader("tets.fra", next_part(rest), 0);
-    const TetMesh tets = parse_tet_mesh(tet_reader);
-    if (tets.T.size() > 20) return;
-    std::vector<EdgeKey> features =
-        parse_features("features.json", next_part(rest), static_cast<int>(tets.V.size()));
-    const FieldMesh mesh = to_field_mesh(tets, parse_frames(frame_reader), std::move(features));
+    const FieldMesh mesh = parse_field_parts({data, size});
+    if (mesh.tets.size() > 20) return;
     parametrize(mesh, {diagonal(mesh) / 3, 0, 1}, [](double, const std::string&) {});
   });
 }

@@ -1,16 +1,7 @@
-// What neurframe-cubecover starts from: tets.mesh, tets.fra and features.json, between separators.
-#include "cubecover/map_io.hpp"
-#include "fuzz/fuzz_target.hpp"
+// What neurframe-cubecover starts from.
+#include "fuzz/field_parts.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace neurframe;
-  return end_as_documented([&] {
-    std::string_view rest(reinterpret_cast<const char*>(data), size);
-    TextReader tet_reader("tets.mesh", next_part(rest), '#');
-    TextReader frame_reader("tets.fra", next_part(rest), 0);
-    const TetMesh tets = parse_tet_mesh(tet_reader);
-    std::vector<EdgeKey> features =
-        parse_features("features.json", next_part(rest), static_cast<int>(tets.V.size()));
-    sharp_edges(to_field_mesh(tets, parse_frames(frame_reader), std::move(features)), 45);
-  });
+  return end_as_documented([&] { sharp_edges(parse_field_parts({data, size}), 45); });
 }

@@ -34,13 +34,24 @@ int end_as_documented(const Body& body) {
 
 inline constexpr std::string_view part_separator = "\n%%\n";
 
-// The text up to the next separator, which is taken off `rest`: one input holds the files of a program.
-inline std::string next_part(std::string_view& rest) {
-  const std::size_t end = rest.find(part_separator);
-  const std::string part(rest.substr(0, end));
-  rest = end == rest.npos ? std::string_view{} : rest.substr(end + part_separator.size());
-  return part;
-}
+// One input holds all files of a program: they are taken off it one after the other.
+class Parts {
+ public:
+  Parts(const std::uint8_t* data, std::size_t size) : rest_(reinterpret_cast<const char*>(data), size) {}
+
+  // The text up to the next separator.
+  std::string next() {
+    const std::size_t end = rest_.find(part_separator);
+    const std::string part(rest_.substr(0, end));
+    rest_ = end == rest_.npos ? std::string_view{} : rest_.substr(end + part_separator.size());
+    return part;
+  }
+
+  TextReader reader(const char* name, char comment) { return {name, next(), comment}; }
+
+ private:
+  std::string_view rest_;
+};
 
 }  // namespace neurframe
 
