@@ -31,7 +31,9 @@ HOSTILE_WORDS = (
 CASES = int(os.environ.get("NEURFRAME_FUZZ_CASES", "40"))
 FIRST_SEED = int(os.environ.get("NEURFRAME_FUZZ_SEED", "0"))
 
-CPU_LIMIT_S = 20  # CPU and not wall seconds: a busy machine is no hang
+# CPU and not wall seconds: a busy machine is no hang
+READER_CPU_LIMIT_S = 2  # a file of a kilobyte takes milliseconds
+PROGRAM_CPU_LIMIT_S = 20  # an executable reads and solves
 READER_MEMORY_MIB = 512  # more than importing meshio and VTK takes; a file of a kilobyte needs none of it
 
 
@@ -41,14 +43,14 @@ class StillReading(BaseException):
 
 @contextmanager
 def reading_limits() -> Iterator[None]:
-    """StillReading after CPU_LIMIT_S of this process; AssertionError where its peak memory grew by too much."""
+    """StillReading after READER_CPU_LIMIT_S of this process; AssertionError where its peak memory grew by too much."""
 
     def stop(_number: int, _frame: FrameType | None) -> None:
-        raise StillReading(f"after {CPU_LIMIT_S} CPU seconds")
+        raise StillReading(f"after {READER_CPU_LIMIT_S} CPU seconds")
 
     peak_kib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     before = signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, CPU_LIMIT_S)
+    signal.setitimer(signal.ITIMER_PROF, READER_CPU_LIMIT_S)
     try:
         yield
     finally:

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -55,10 +56,23 @@ def clean_environment(**changes: str) -> dict[str, str]:
     return os.environ | ({} if installed else {"PYTHONPATH": found}) | changes
 
 
-def neurframe(*arguments: str, **more: object) -> Ended:
-    """A command in a process of its own, without a terminal; `more` for subprocess.run."""
-    options: dict[str, object] = {"env": clean_environment(), "stdin": subprocess.DEVNULL} | more
-    ended = subprocess.run(command(*arguments), capture_output=True, check=False, timeout=600, **options)  # type: ignore[call-overload]
+def neurframe(
+    *arguments: str,
+    cwd: Path | None = None,
+    env: dict[str, str] | None = None,
+    preexec_fn: Callable[[], None] | None = None,
+) -> Ended:
+    """A command in a process of its own, without a terminal; env: clean_environment() where none is given."""
+    ended = subprocess.run(
+        command(*arguments),
+        cwd=cwd,
+        env=clean_environment() if env is None else env,
+        preexec_fn=preexec_fn,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        check=False,
+        timeout=600,
+    )
     return Ended(ended.returncode, ended.stderr.decode("utf-8", "backslashreplace"))
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from damage import CPU_LIMIT_S
+from damage import PROGRAM_CPU_LIMIT_S
 
 from neurframe_cli.cli.configuration import read_config
 from neurframe_cli.errors import NeurframeError
@@ -126,7 +126,7 @@ def _program(name: str, *arguments: str) -> Callable[[Path], object]:
     executable = find_executable(name)
 
     def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_CPU, (CPU_LIMIT_S, CPU_LIMIT_S))
+        resource.setrlimit(resource.RLIMIT_CPU, (PROGRAM_CPU_LIMIT_S, PROGRAM_CPU_LIMIT_S))
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY_LIMIT, MEMORY_LIMIT))
 
     def run(folder: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -74,24 +75,33 @@ def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_quad_executables(programs: Path) -> None:
-    surface, crosses = programs / "surface.obj", programs / "crosses.txt"
-    scale = ("--scale", "25")
-    one = outputs("miq", [surface, crosses], programs, "map.obj", 1, *scale)
-    quads = outputs("qex", [programs / "1-map.obj"], programs, "quad.obj", 1)
-    for threads in THREADS:
-        assert outputs("miq", [surface, crosses], programs, "map.obj", threads, *scale) == one
-        assert outputs("qex", [programs / "1-map.obj"], programs, "quad.obj", threads) == quads
+@dataclass(frozen=True)
+class Chain:
+    """The executable that makes a map of its inputs, and the one that extracts the mesh from it."""
+
+    solver: str
+    inputs: tuple[str, str]
+    scale: str
+    map: str
+    extractor: str
+    mesh: str
 
 
-def test_hex_executables(programs: Path) -> None:
-    tets, frames = programs / "tets.mesh", programs / "tets.fra"
-    scale = ("--scale", "12")
-    one = outputs("cubecover", [tets, frames], programs, "map.hexex", 1, *scale)
-    hexes = outputs("hexex", [programs / "1-map.hexex"], programs, "hex.mesh", 1)
+CHAINS = {
+    "quads": Chain("miq", ("surface.obj", "crosses.txt"), "25", "map.obj", "qex", "quad.obj"),
+    "hexes": Chain("cubecover", ("tets.mesh", "tets.fra"), "12", "map.hexex", "hexex", "hex.mesh"),
+}
+
+
+@pytest.mark.parametrize("chain", CHAINS.values(), ids=CHAINS.keys())
+def test_executables(chain: Chain, programs: Path) -> None:
+    inputs = [programs / name for name in chain.inputs]
+    first_map = programs / f"1-{chain.map}"
+    one = outputs(chain.solver, inputs, programs, chain.map, 1, "--scale", chain.scale)
+    cells = outputs(chain.extractor, [first_map], programs, chain.mesh, 1)
     for threads in THREADS:
-        assert outputs("cubecover", [tets, frames], programs, "map.hexex", threads, *scale) == one
-        assert outputs("hexex", [programs / "1-map.hexex"], programs, "hex.mesh", threads) == hexes
+        assert outputs(chain.solver, inputs, programs, chain.map, threads, "--scale", chain.scale) == one
+        assert outputs(chain.extractor, [first_map], programs, chain.mesh, threads) == cells
 
 
 def command(*words: str, threads: int) -> None:

@@ -24,9 +24,9 @@ def has_locale(name: str) -> bool:
     return name.lower().replace("-", "") in listed.lower().replace("-", "").split()
 
 
-def whole_run(model: Path, folder: Path, **options: object) -> dict[str, str]:
+def whole_run(model: Path, folder: Path, environment: dict[str, str] | None = None) -> dict[str, str]:
     """`neurframe run` in a folder; hashes of what it made."""
-    ended = neurframe("run", str(model), "-w", "out.neurframe", *OPTIONS, cwd=folder, **options)
+    ended = neurframe("run", str(model), "-w", "out.neurframe", *OPTIONS, cwd=folder, env=environment)
     assert ended.code == 0, ended.said
     assert "Traceback" not in ended.said
     return {name: sha256_of(folder / "out.neurframe" / name) for name in RESULTS}
@@ -64,7 +64,7 @@ def test_whole_run_in_another_environment(
     environment: Callable[[Path], dict[str, str]], usual: tuple[Path, dict[str, str]], tmp_path: Path
 ) -> None:
     model, expected = usual
-    assert whole_run(model, tmp_path, env=environment(tmp_path)) == expected
+    assert whole_run(model, tmp_path, environment(tmp_path)) == expected
 
 
 @pytest.mark.slow
