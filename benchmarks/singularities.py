@@ -33,10 +33,16 @@ Query = Callable[[Floats], Floats]
 # a tet (0-3) with the midpoints 4-9 of its edges 01 02 03 12 13 23, in eight (Bey 1995)
 EIGHT = np.array(
     [
-        [0, 4, 5, 6], [4, 1, 7, 8], [5, 7, 2, 9], [6, 8, 9, 3],
-        [4, 5, 6, 8], [4, 5, 8, 7], [5, 6, 8, 9], [5, 7, 9, 8],
+        [0, 4, 5, 6],
+        [4, 1, 7, 8],
+        [5, 7, 2, 9],
+        [6, 8, 9, 3],
+        [4, 5, 6, 8],
+        [4, 5, 8, 7],
+        [5, 6, 8, 9],
+        [5, 7, 9, 8],
     ]
-)  # fmt: skip
+)
 EDGES = np.array([[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]])
 NEAR = 1.5  # mean edges round a singular edge or point that are divided
 
