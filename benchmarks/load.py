@@ -1,14 +1,16 @@
-"""Peak memory and time of every stage against the size of the problem, on cubes of tets and on real models.
+"""Peak memory and time of every stage against the size of the problem, on made tet meshes and on real models.
 
     python benchmarks/load.py --divisions 6 12 24 --stages tetize train discretize quad hex
     python benchmarks/load.py --divisions 56 --stages tetize discretize hexex --field-from 12
+    python benchmarks/load.py --shape cylinder --divisions 12 19 31 --stages tetize train discretize hex --field-from 6
     python benchmarks/load.py --models part.stl --edge-length 0.01
 
-A cube of n divisions has 6 n^3 tets (n = 56: 1,053,696).  For each size the stages run one after the other, on one
-thread, as `neurframe STAGE`; a line of JSON for each: tets, elements, CPU seconds, peak MiB, and what was expected.  A
-stage whose CPU seconds, carried on from the size before in proportion to the tets, would go over --budget is left out,
-and the line says so.  `hexex` extracts from an exact map of the cube, made here.  --field-from N takes the trained
-field of the cube of N divisions (a field can be asked anywhere).  At the end: MiB per 1000 tets of each stage.
+A cube of n divisions has 6 n^3 tets (n = 56: 1,053,696), a cylinder 36 n^3 (n = 31: 1,072,476).  For each size the
+stages run one after the other, on one thread, as `neurframe STAGE`; a line of JSON for each: tets, elements, CPU
+seconds, peak MiB, and what was expected; of `hex` also the CPU seconds of each step of its map.  A stage whose CPU
+seconds, carried on from the size before in proportion to the tets, would go over --budget is left out, and the line
+says so.  `hexex` extracts from an exact map of the cube, made here.  --field-from N takes the trained field of the
+shape at N divisions (a field can be asked anywhere).  At the end: MiB per 1000 tets of each stage.
 """
 
 from __future__ import annotations
@@ -21,40 +23,16 @@ import tempfile
 from itertools import pairwise
 from pathlib import Path
 
-import numpy as np
+from load_models import cube_tets, cylinder_tets, write_exact_map
 
 from neurframe_cli.errors import NeurframeError
-from neurframe_cli.mesh.arrays import Floats, TetMesh
 from neurframe_cli.mesh.write_mesh import write_tets
 from neurframe_cli.pipeline.executables import find_executable
 from neurframe_cli.pipeline.manifest import read_manifest
 from neurframe_cli.process import run_child
 
-# Kuhn: six tets round the diagonal of a cube, corners numbered by their bits
-KUHN = np.array([[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]])
+SHAPES = {"cube": cube_tets, "cylinder": cylinder_tets}
 OPTIONS = {"discretize": ["--no-pictures"], "quad": ["--no-pictures"], "hex": ["--no-pictures"]}
-
-
-def cube_tets(divisions: int) -> TetMesh:
-    """The unit cube as 6 n^3 tets."""
-    n = divisions + 1
-    corner = np.indices((divisions,) * 3).reshape(3, -1)
-    steps = np.array([[k & 1, k >> 1 & 1, k >> 2 & 1] for k in range(8)])
-    numbers = [np.ravel_multi_index(tuple(corner + step[:, None]), (n, n, n)) for step in steps]
-    T = np.stack(numbers, axis=1)[:, KUHN].reshape(-1, 4)
-    V = np.indices((n, n, n)).reshape(3, -1).T / divisions
-    volume = np.linalg.det(V[T[0, 1:]] - V[T[0, :1]])
-    return TetMesh(V.astype(np.float64), T if volume > 0 else T[:, [0, 2, 1, 3]])
-
-
-def write_exact_map(path: Path, mesh: TetMesh, hexes_per_side: int) -> None:
-    """The identity of the cube, scaled, as .hexex: no transitions, no singularities."""
-    parameters: Floats = (mesh.V * hexes_per_side)[mesh.T].reshape(len(mesh.T), 12)
-    with path.open("w", encoding="ascii") as out:
-        out.write(f"{len(mesh.V)}\n")
-        np.savetxt(out, mesh.V, fmt="%.17g")
-        out.write(f"{len(mesh.T)}\n")
-        np.savetxt(out, np.hstack([mesh.T, parameters]), fmt=["%d"] * 4 + ["%.17g"] * 12)
 
 
 def main() -> None:
@@ -73,11 +51,12 @@ def parse_arguments() -> argparse.Namespace:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     stages = ["tetize", "train", "discretize", "quad", "hex", "hexex"]
+    parser.add_argument("--shape", choices=SHAPES, default="cube")
     parser.add_argument("--divisions", type=int, nargs="*", default=[])
     parser.add_argument("--models", type=Path, nargs="*", default=[])
     parser.add_argument("--edge-length", default="0.025")
     parser.add_argument("--stages", nargs="+", choices=stages, default=stages)
-    parser.add_argument("--field-from", type=int, help="divisions of the cube whose field is taken")
+    parser.add_argument("--field-from", type=int, help="divisions of the mesh whose field is taken")
     parser.add_argument("--iterations", help="of the distillation; the memory does not depend on it")
     parser.add_argument("--scale", default=None, help="of quads and hexes")
     parser.add_argument(
@@ -93,8 +72,8 @@ def measure(arguments: argparse.Namespace, scratch: Path) -> list[dict[str, obje
     if arguments.field_from is not None:
         prepare_field(arguments, scratch)
     for divisions in arguments.divisions:
-        model = scratch / f"cube-{divisions}.mesh"
-        write_tets(model, cube_tets(divisions))
+        model = scratch / f"{arguments.shape}-{divisions}.mesh"
+        write_tets(model, SHAPES[arguments.shape](divisions))
         rows += measure_model(model, divisions, arguments, scratch, rows)
     for model in arguments.models:
         rows += measure_model(model, None, arguments, scratch, [])
@@ -103,7 +82,7 @@ def measure(arguments: argparse.Namespace, scratch: Path) -> list[dict[str, obje
 
 def prepare_field(arguments: argparse.Namespace, scratch: Path) -> None:
     model, workspace = scratch / "field.mesh", scratch / "field.neurframe"
-    write_tets(model, cube_tets(arguments.field_from))
+    write_tets(model, SHAPES[arguments.shape](arguments.field_from))
     for stage in ("tetize", "train"):
         run_stage(stage, model, workspace, arguments)
 
@@ -118,7 +97,7 @@ def measure_model(
     workspace = scratch / f"{model.stem}.neurframe"
     rows: list[dict[str, object]] = []
     for stage in arguments.stages:
-        row: dict[str, object] = {"model": model.name, "stage": stage}
+        row: dict[str, object] = {"model": model.name, "divisions": divisions, "stage": stage}
         predicted = predicted_seconds(stage, divisions, earlier)
         if stage == "hexex":
             row |= extract(divisions, arguments.hexex_side, scratch) if divisions is not None else {}
@@ -128,7 +107,7 @@ def measure_model(
             shutil.copyfile(
                 scratch / "field.neurframe" / "field.safetensors", workspace / "field.safetensors"
             )
-            row |= {"left_out": "the field is taken from another cube"}
+            row |= {"left_out": "the field is taken from another mesh"}
         else:
             row |= run_stage(stage, model, workspace, arguments)
         print(json.dumps(row), flush=True)
@@ -138,11 +117,11 @@ def measure_model(
 
 
 def predicted_seconds(stage: str, divisions: int | None, earlier: list[dict[str, object]]) -> float:
-    """From the largest cube so far, in proportion to the tets; 0 where there is none."""
+    """From the largest mesh so far, in proportion to the tets; 0 where there is none."""
     done = [row for row in earlier if row["stage"] == stage and "cpu_seconds" in row]
     if not done or divisions is None:
         return 0.0
-    return float(str(done[-1]["cpu_seconds"])) * 6 * divisions**3 / float(str(done[-1]["tets"]))
+    return float(str(done[-1]["cpu_seconds"])) * (divisions / int(str(done[-1]["divisions"]))) ** 3
 
 
 def run_stage(stage: str, model: Path, workspace: Path, arguments: argparse.Namespace) -> dict[str, object]:
@@ -172,6 +151,7 @@ def run_stage(stage: str, model: Path, workspace: Path, arguments: argparse.Name
         "peak_mib": record.peak_mib,
         "expected_mib": record.expected_mib,
         "error": record.error,
+        "steps": record.report.get("parametrization", {}).get("cpu_seconds"),
     }
 
 
