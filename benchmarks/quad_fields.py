@@ -1,9 +1,10 @@
 """Quads from three cross fields of the same tets: the `fast` and the `paper` preset, and the surface alone.
 
-    python benchmarks/quad_fields.py --target-faces 6000 --iterations 10000 --output FIELDS.jsonl WORKSPACE...
+    python benchmarks/quad_fields.py --target-faces 6000 --output FIELDS.jsonl --keep FOLDER WORKSPACE...
 
 Each WORKSPACE (made by `neurframe tetize`) is copied; nothing in it is changed.  --iterations are those of the paper
-preset, whose own number is 10,000.  The crosses lie on the same triangles for all three.  A line is added to --output
+preset, whose own number is 10,000.  --keep keeps the copies, and a field that was trained there is used again.  The
+crosses lie on the same triangles for all three.  A line is added to --output
 as soon as a mesh is there, and what has a line is not made again; then the table of all lines is printed.  Columns:
 tets, CPU seconds of training, irregular vertices, inverted quads, worst and mean scaled Jacobian, Hausdorff distance
 in percent of the bounding-box diagonal, share of the sharp edges that edges follow.
@@ -37,20 +38,27 @@ def main() -> None:
     )
     parser.add_argument("workspaces", nargs="+", type=Path)
     parser.add_argument("--target-faces", type=int, default=6000)
-    parser.add_argument("--iterations", type=int, default=10_000)
+    parser.add_argument("--iterations", type=int)
     parser.add_argument("--output", type=Path, default=Path("quad_fields.jsonl"))
+    parser.add_argument("--keep", type=Path)
     arguments = parser.parse_args()
-    known = {(row["model"], row["field"]) for row in rows(arguments.output)}
-    for source in arguments.workspaces:
-        name = source.name.removesuffix(".neurframe")
-        for field, training in fields(arguments.iterations).items():
-            if (name, field) in known:
-                continue
-            with tempfile.TemporaryDirectory() as folder:
-                made = meshed(source, Path(folder), training, arguments.target_faces)
+    with tempfile.TemporaryDirectory() as temporary:
+        for source in arguments.workspaces:
+            measure(source, arguments.keep or Path(temporary), arguments)
+    print("\n".join([HEADER, *(shown(row) for row in rows(arguments.output))]))
+
+
+def measure(source: Path, folder: Path, arguments: argparse.Namespace) -> None:
+    """Adds the lines of one model that the output does not have."""
+    name = source.name.removesuffix(".neurframe")
+    known = {row["field"] for row in rows(arguments.output) if row["model"] == name}
+    for field, training in fields(arguments.iterations).items():
+        if field not in known:
+            workspace = folder / f"{name}-{field.split(',')[0]}.neurframe"
+            workspace.mkdir(parents=True, exist_ok=True)
+            made = meshed(source, workspace, training, arguments.target_faces)
             with arguments.output.open("a", encoding="utf-8") as out:
                 out.write(json.dumps({"model": name, "field": field} | made) + "\n")
-    print("\n".join([HEADER, *(shown(row) for row in rows(arguments.output))]))
 
 
 def rows(lines: Path) -> list[dict[str, Any]]:
@@ -59,12 +67,13 @@ def rows(lines: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in lines.read_text(encoding="utf-8").splitlines()]
 
 
-def fields(iterations: int) -> dict[str, list[str] | None]:
+def fields(iterations: int | None) -> dict[str, list[str] | None]:
     """The options of `neurframe train` by name of the field; None for the one that needs no training."""
+    some = ["--iterations", str(iterations)] if iterations else []
     return {
         "fast": ["--preset", "fast"],
         "surface": None,
-        f"paper, {iterations} iterations": ["--preset", "paper", "--iterations", str(iterations)],
+        f"paper, {iterations} iterations" if some else "paper": ["--preset", "paper", *some],
     }
 
 
