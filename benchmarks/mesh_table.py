@@ -63,6 +63,8 @@ def _row(workspace: Path, options: argparse.Namespace) -> dict[str, Any]:
         ("discretize", ["--no-pictures"]),
         (options.kind, _mesh_options(options)),
     ):
+        if stage != options.kind and _is_done(workspace, stage):
+            continue
         command = [sys.executable, "-m", "neurframe_cli", stage, *limits, *extra]
         try:
             ended = run_child(command, name=stage, timeout_s=options.timeout, accept=range(256))
@@ -72,6 +74,11 @@ def _row(workspace: Path, options: argparse.Namespace) -> dict[str, Any]:
             row |= {"outcome": f"{stage}: {ended.returncode}", "words": " ".join(ended.last_lines)[-300:]}
             break
     return row | _numbers(workspace, options.kind) | _checked(workspace, options)
+
+
+def _is_done(workspace: Path, stage: str) -> bool:
+    stages = read_manifest(workspace).stages
+    return stage in stages and stages[stage].status == "done"
 
 
 def _mesh_options(options: argparse.Namespace) -> list[str]:

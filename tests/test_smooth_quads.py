@@ -133,6 +133,22 @@ def test_the_end_of_a_crease_is_free_to_slide() -> None:
     assert found.on_curves == 40 - 4 - 1 + 6
 
 
+def test_a_crease_that_the_quads_do_not_follow_lets_go_of_them() -> None:
+    shape = patch_quads(10, 20)
+    V = shape.surface.V.copy()
+    # from (0.2, 0.5) to (0.8, 0.6): a path of edges has to take a step up, and all of its vertices lie on one line
+    line = np.flatnonzero((V[:, 1] == 0.5) & (V[:, 0] >= 0.2) & (V[:, 0] <= 0.8))
+    V[line, 1] += (V[line, 0] - 0.2) / 6.0
+    crease = features_from_edges(V, np.stack([line[:-1], line[1:]], axis=1))
+    X = jitter(shape.V, 0.06, seed=2)  # some quads turn over
+    result = smooth_quads(X, shape.cells, Surface(V, shape.surface.F), crease, SmoothOptions())
+    assert result.report.classification.on_curves > 40 - 4
+    assert 0 < result.report.released <= 4  # of 8 on it
+    assert worst(result.V, shape) > 0.8  # 0 where none is let go
+    rim = (np.abs(shape.V[:, :2] - 0.5) == 0.5).any(axis=1)
+    np.testing.assert_allclose(np.abs(result.V[rim, :2] - 0.5).max(axis=1), 0.5, atol=1e-12)
+
+
 def test_a_perfect_mesh_stays() -> None:
     shape = cube_quads(4)
     result = smooth(shape, shape.V)

@@ -14,7 +14,6 @@ from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions, smoo
 from neurframe_cli.mesh.quality.polygons import unique_edges
 from neurframe_cli.mesh.quality.scaled_jacobian import quad_scaled_jacobians
 
-POOR = 0.1  # scaled Jacobian
 RELEASE = 3.0  # edges of the quads round a folded one
 SHORTEST_LINE = 4.0  # edges of the quads; neurframe-miq leaves shorter feature lines out, too
 
@@ -31,17 +30,11 @@ def smooth_quads(
 
     Vertices stay on the surface, those on feature curves and open boundaries on these, those at corners in place; no
     quad becomes worse than the worst one was, and none that faced outward turns over.  Feature lines shorter than
-    SHORTEST_LINE do not count.  Where a quad stays worse than POOR, curves let go of vertices at which they pull the
-    corner of a quad straight, and where quads stay folded, the feature edges around them are released: a mesh that cuts
-    a corner is of more use than one that is folded there.
+    SHORTEST_LINE do not count.  Curves let go of vertices around quads that stay poor, and where some stay folded, the
+    feature edges around them are released: a mesh that cuts a corner is of more use than one that is folded there.
     """
     followed = lasting_features(surface.V, features, SHORTEST_LINE * _median_edge(V, Q))
     smoothed = smooth_cells(V, Q, QUADS, Q, surface, followed, options, progress)
-    if smoothed.report.after.min_scaled_jacobian < POOR:
-        bending = replace(options, bend=True, hausdorff_limit=smoothed.report.after.hausdorff)
-        smoothed = _better(
-            smoothed, smooth_cells(smoothed.V, Q, QUADS, Q, surface, followed, bending, silent)
-        )
     if smoothed.report.after.inverted == 0:
         return smoothed
     released = _released(smoothed.V, Q, surface, followed)

@@ -6,6 +6,7 @@ other side of a thin wall.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,6 +66,21 @@ def _fall_back_to_whole(X: Floats, faces: Ints, trees: list[SimplexTree], of_ver
     astray = distance > to_whole + FARTHER * mean
     of_vertex[astray], distance[astray] = 0, to_whole[astray]
     return np.asarray(distance / np.maximum(mean, 1e-300))
+
+
+def outward_normals(quads: Ints, patches: Patches) -> Callable[[Floats, Ints], Floats]:
+    """Function of positions (n,3) and chosen quads (k,): normals (k,3) of the input under their centres, each on its
+    own patch; patches.of_face is that of `quads` (q,4)."""
+
+    def normals(x: Floats, chosen: Ints) -> Floats:
+        centres, patch = x[quads[chosen]].mean(axis=1), patches.of_face[chosen]
+        result: Floats = np.zeros_like(centres)
+        for t in np.unique(patch).tolist():
+            members = patch == t
+            result[members] = patches.trees[t].closest(centres[members]).directions
+        return result
+
+    return normals
 
 
 def components_cut_by(faces: Ints, cut: Ints) -> Ints:

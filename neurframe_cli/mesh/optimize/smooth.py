@@ -11,8 +11,9 @@ from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface
 from neurframe_cli.mesh.optimize.cell_kind import CellKind
 from neurframe_cli.mesh.optimize.classify import Classification, classify
 from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe, Distances
-from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver, Normals, State
-from neurframe_cli.mesh.optimize.patches import Patches
+from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver, State
+from neurframe_cli.mesh.optimize.mend_quads import mend_poor_quads
+from neurframe_cli.mesh.optimize.patches import outward_normals
 from neurframe_cli.mesh.optimize.reach import reach_far_places
 from neurframe_cli.mesh.quality.polygons import unique_edges
 
@@ -25,13 +26,13 @@ PASSED_BY = (
 class SmoothOptions:
     """hausdorff_limit, in bounding-box diagonals of the input: the distance of a boundary face may grow up to it, and
     not at all beyond; reach_limit, likewise: quads that leave places of the surface farther away are moved to them;
-    bend: curves let go of vertices where they would pull the corner of a quad straight; samples on the surface for
-    distances, seed for their places."""
+    mend_limit, likewise: how far faces may get for the sake of poor quads; samples on the surface for distances, seed
+    for their places."""
 
     improve: ImproveOptions = field(default_factory=ImproveOptions)
     hausdorff_limit: float = 0.01
     reach_limit: float = 0.004
-    bend: bool = False
+    mend_limit: float = 0.005
     samples: int = 10_000
     seed: int = 0
 
@@ -49,14 +50,15 @@ class MeshNumbers:
 
 @dataclass(frozen=True)
 class SmoothReport:
-    """Numbers before and after, what the vertices were constrained to, rounds done, and how many vertices went less
-    than all the way because of the distance limit."""
+    """Numbers before and after, what the vertices were constrained to, rounds done, how many vertices went less than
+    all the way because of the distance limit, and of how many feature curves let go so that poor quads got better."""
 
     before: MeshNumbers
     after: MeshNumbers
     classification: Classification
     rounds: int
     held_back: int
+    released: int
 
 
 @dataclass(frozen=True)
@@ -84,8 +86,8 @@ def smooth_cells(
     if len(cells) == 0:
         raise InvalidMesh("there are no cells to smooth")
     progress(0.0, "matching features")
-    classified = classify(X, faces, surface, features, voids=faces is not cells, bend=options.bend)
-    normals = _outward(faces, classified.patches) if faces is cells else None
+    classified = classify(X, faces, surface, features, voids=faces is not cells)
+    normals = outward_normals(faces, classified.patches) if faces is cells else None
     improver = Improver(X, cells, kind, classified.constraints, normals, options.improve)
     improved, rounds = improver.run(classified.start, progress)
     probe = DistanceProbe(faces, surface, options.samples, np.random.default_rng(options.seed))
@@ -101,10 +103,14 @@ def smooth_cells(
     final = improver.guarded(improver.first, improved.x, too_far)
     if not final.better_than(improver.first):
         final, last = improver.first, [distances]  # what is left of the way leads nowhere
+    released = 0
     held_back = int((final.x != improved.x).any(axis=1).sum())
     if normals is not None:
         passed_by = max(options.reach_limit * diagonal, PASSED_BY * _median_edge(final.x, faces))
         final, last[0] = reach_far_places(improver, final, probe, last[0], passed_by)
+        near = np.maximum(last[0].by_face, options.mend_limit * diagonal)
+        mended = mend_poor_quads(improver, final, classified.patches, probe, last[0], near)
+        final, last[0], released = mended.state, mended.distances, mended.released
     progress(1.0, f"worst {final.quality.min():.3f}, mean {final.quality.mean():.3f}")
     report = SmoothReport(
         before=_numbers(improver.first, distances, diagonal),
@@ -112,6 +118,7 @@ def smooth_cells(
         classification=classified.found,
         rounds=rounds,
         held_back=held_back,
+        released=released,
     )
     return SmoothedMesh(final.x, report)
 
@@ -119,20 +126,6 @@ def smooth_cells(
 def _median_edge(X: Floats, faces: Ints) -> float:
     ends = X[unique_edges(faces)[0]]
     return float(np.median(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
-
-
-def _outward(quads: Ints, patches: Patches) -> Normals:
-    """Normals of the input under the centres of the quads, each on its own patch."""
-
-    def normals(x: Floats, chosen: Ints) -> Floats:
-        centres, patch = x[quads[chosen]].mean(axis=1), patches.of_face[chosen]
-        result: Floats = np.zeros_like(centres)
-        for t in np.unique(patch).tolist():
-            members = patch == t
-            result[members] = patches.trees[t].closest(centres[members]).directions
-        return result
-
-    return normals
 
 
 def _numbers(state: State, distances: Distances, diagonal: float) -> MeshNumbers:
