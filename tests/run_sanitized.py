@@ -52,7 +52,7 @@ def found_in(folder: Path) -> list[Path]:
     """The folder itself where it is a workspace, else the maps and workspaces in it, two levels down."""
     if folder.is_file() or (folder / "tets.fra").is_file():
         return [folder]
-    maps = [*folder.glob("*.hexex"), *folder.glob("hexex/*.hexex")]
+    maps = (found for name in ("*.hexex", "hexex/*.hexex", "*/map.obj") for found in folder.glob(name))
     return sorted([*maps, *(frames.parent for frames in folder.glob("*/tets.fra"))])
 
 
@@ -69,7 +69,7 @@ def main() -> int:
     parser.add_argument("paths", nargs="*", type=Path)
     parser.add_argument("--threads", default="1")
     options = parser.parse_args()
-    bad = 0
+    codes: list[int] = []
     with tempfile.TemporaryDirectory() as name:
         models = os.environ.get("NEURFRAME_MODELS")
         given = options.paths or ([Path(models)] if models else [])
@@ -83,10 +83,12 @@ def main() -> int:
                     options.threads,
                 ]
                 ended = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
-                bad += ended.returncode not in DOCUMENTED
+                codes.append(ended.returncode)
                 print(f"{ended.returncode:4} {program:10} {path}", flush=True)
                 if ended.returncode not in DOCUMENTED:
                     print(ended.stderr[-3000:])
+    bad = sum(code not in DOCUMENTED for code in codes)
+    print(f"{len(codes)} runs, {len(codes) - bad} ended as documented")
     return int(bad > 0)
 
 

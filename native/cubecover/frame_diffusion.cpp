@@ -10,8 +10,8 @@ namespace {
 
 using CoefficientField = Eigen::Matrix<double, 9, Eigen::Dynamic>;  // a column per tet
 
-constexpr double direction_tolerance = 1e-3;
-constexpr int most_iterations = 100;
+constexpr double least_residual = 1e-3;  // of the first one
+constexpr int most_solver_steps = 100;
 
 class Diffusion {
  public:
@@ -85,8 +85,8 @@ class Diffusion {
     CoefficientField scaled = residual.array().rowwise() * inverse_diagonal.array();
     CoefficientField direction = scaled;
     double size = residual.cwiseProduct(scaled).sum();
-    const double enough = direction_tolerance * direction_tolerance * size;
-    for (int iteration = 0; iteration < most_iterations && size > enough; ++iteration) {
+    const double enough = least_residual * least_residual * size;
+    for (int iteration = 0; iteration < most_solver_steps && size > enough; ++iteration) {
       CoefficientField image = product(direction, stiffness);
       make_admissible(image);
       const double step = size / direction.cwiseProduct(image).sum();

@@ -14,7 +14,7 @@ namespace {
 constexpr double off_axis_factor = 1.75;
 constexpr double half_turn_cost = 2.5;  // dearer than two quarter turns side by side
 constexpr double compound_cost = 9;
-constexpr int most_passes = 50;
+constexpr int most_straightenings = 50;
 
 class Straightener {
  public:
@@ -33,7 +33,7 @@ class Straightener {
 
   int run() {
     int total = 0;
-    for (int pass = 0; pass < most_passes; ++pass) {
+    for (int pass = 0; pass < most_straightenings; ++pass) {
       const int changed = pass_over_faces();
       total += changed;
       if (changed == 0) break;

@@ -4,9 +4,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <numbers>
 #include <vector>
 
 namespace neurframe {
+
+inline constexpr double kQuarterTurn = std::numbers::pi / 2;  // radians
 
 // Half-edge 3 f + i runs from corner i to corner i+1 of triangle f; the same number names corner i itself.
 struct CrossSurface {

@@ -1,13 +1,9 @@
 #include "miq/field_energy.hpp"
 
-#include <numbers>
-
 #include "core/errors.hpp"
 
 namespace neurframe {
 namespace {
-
-constexpr double kQuarterTurn = std::numbers::pi / 2;
 
 bool beside_feature(const CrossSurface& surface, int f) {
   return surface.is_feature(3 * f) || surface.is_feature(3 * f + 1) || surface.is_feature(3 * f + 2);

@@ -3,12 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace neurframe {
 namespace {
-
-constexpr double kQuarterTurn = std::numbers::pi / 2;
 
 // angle of the first axis of triangle f against the edge direction
 double axis_angle(const CrossSurface& surface, int f, const Eigen::Vector3d& edge) {

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <set>
 
 #include "miq/field_topology.hpp"
@@ -10,8 +9,7 @@
 namespace neurframe {
 namespace {
 
-constexpr double kQuarterTurn = std::numbers::pi / 2;
-constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+constexpr double kAnyDistance = std::numeric_limits<double>::infinity();
 
 // The quarter turns that a sector between features is to have.
 int turns_held(const Sector& sector) {
@@ -29,7 +27,7 @@ bool take_turn(FieldTopology& topology, Sector& sector, int closed_minimum, doub
   ShiftPath path =
       topology.nearest(sector, reach, [](const Sector& s, double) { return s.quarter_turns > 4; });
   if (path.empty()) {
-    path = topology.nearest(sector, kUnbounded,
+    path = topology.nearest(sector, kAnyDistance,
                             [&](const Sector& s, double) { return s.quarter_turns > closed_minimum; });
   }
   if (path.empty()) return false;
@@ -42,7 +40,8 @@ bool give_turn(FieldTopology& topology, Sector& sector, double reach) {
   ShiftPath path =
       topology.nearest(sector, reach, [](const Sector& s, double) { return s.quarter_turns < 4; });
   if (path.empty()) {
-    path = topology.nearest(sector, kUnbounded, [](const Sector& s, double) { return s.quarter_turns == 4; });
+    path =
+        topology.nearest(sector, kAnyDistance, [](const Sector& s, double) { return s.quarter_turns == 4; });
   }
   if (path.empty()) return false;
   topology.return_turn(path, sector);
@@ -51,7 +50,7 @@ bool give_turn(FieldTopology& topology, Sector& sector, double reach) {
 
 // Distance along edges from the nearest feature, per vertex.
 std::vector<double> feature_distance(const CrossSurface& surface) {
-  std::vector<double> distance(surface.positions.size(), kUnbounded);
+  std::vector<double> distance(surface.positions.size(), kAnyDistance);
   std::set<std::pair<double, int>> queue;
   const auto reach = [&](int v, double at) {
     double& known = distance[static_cast<size_t>(v)];
