@@ -58,6 +58,17 @@ def test_vertices_stay_on_the_cylinder_and_its_rims() -> None:
     np.testing.assert_allclose(result.V[rim, 2], shape.V[rim, 2], atol=1e-12)
 
 
+def test_hexes_become_worse_where_they_are_too_far_from_the_surface() -> None:
+    """A rounded cube about a sphere: there the hexes along its edges and at its corners cannot be what they are."""
+    shape = sphere_hexes(4)
+    rounded = (shape.V + 0.75 * (2 * grid_hexes(4)[0] - 1)) / 2
+    result = smooth(shape, rounded, SmoothOptions(hausdorff_limit=0.02))
+    assert result.report.before.hausdorff > 0.02
+    assert result.report.after.hausdorff <= 0.02
+    assert result.report.after.inverted == 0
+    assert worst(result.V, shape) > 0.2
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_the_worst_hex_never_gets_worse(seed: int) -> None:
     shape = sphere_hexes(3, surface_n=5)

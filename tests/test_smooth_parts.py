@@ -18,6 +18,7 @@ from neurframe_cli.mesh.optimize.patches import components_cut_by
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
 from neurframe_cli.mesh.optimize.straight_corners import straight_corners
 from neurframe_cli.mesh.quality.polygons import triangulated, unique_edges
+from neurframe_cli.stages.smooth_hexes import boundary_quads
 
 
 def test_closest_points_on_segments() -> None:
@@ -161,6 +162,29 @@ def test_a_closed_curve_is_matched_all_the_way_round() -> None:
     assert path[0] == path[-1]
     rim = np.flatnonzero(np.linalg.norm(V2, axis=1) > 1 - 1e-9)
     np.testing.assert_array_equal(np.sort(path[:-1]), rim)
+
+
+def test_an_edge_goes_to_the_curve_that_runs_along_it() -> None:
+    """Four curves end in the corner of a cube, whose vertex has three edges: the shortest one lies across the quads."""
+    shape = cube_hexes(6)
+    V = np.concatenate([shape.surface.V, [[0.5, 0.45, 1.0]]])
+    outline = feature_curves(shape.surface, shape.features)
+    corner = int(np.flatnonzero((V == [0.0, 0.0, 1.0]).all(axis=1))[0])
+    curves = FeatureCurves(
+        (np.array([corner, len(V) - 1]), *outline.curves),
+        np.zeros(len(outline.curves) + 1, bool),
+        np.append(outline.corners, len(V) - 1),
+        np.zeros(len(outline.corners) + 1, bool),
+    )
+    matched = match_features(V, curves, shape.V, boundary_quads(shape.cells))
+    paths = {m.curve: m for m in matched.curves}
+    assert sorted(paths) == list(range(13))
+    for number, curve in enumerate(outline.curves, 1):
+        along = np.ptp(V[curve], axis=0) > 0
+        assert paths[number].whole
+        np.testing.assert_array_equal(np.ptp(shape.V[paths[number].path], axis=0) > 0, along)
+    assert not paths[0].whole
+    assert (shape.V[paths[0].path[0]] != V[corner]).any()
 
 
 def test_a_curve_away_from_the_mesh_is_not_matched() -> None:

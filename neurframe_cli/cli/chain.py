@@ -99,7 +99,11 @@ def mesh_request(kinds: Sequence[Kind], values: Mapping[str, Any], threads: int)
     from neurframe_cli.stages.run_netgen import require_netgen
 
     quads = QuadOptions(**{name: values[name] for name in _QUAD_OPTIONS if name in values})
-    hexes = HexOptions(padding=values.get("padding"), fill=values.get("fill", False))
+    hexes = HexOptions(
+        padding=values.get("padding"),
+        splitting=values.get("splitting", True),
+        fill=values.get("fill", False),
+    )
     if hexes.fill and "hex" in kinds:
         require_netgen()
     limits = Limits(values["timeout"], values["memory"], threads)

@@ -225,6 +225,13 @@ hex_options = options(
         help="A layer of hexes along the boundary, where that makes nothing worse.  [default: where hexes are poor]",
     ),
     click.option(
+        "--split/--no-split",
+        "splitting",
+        default=True,
+        show_default=True,
+        help="Split every hex in eight where the mesh is off the surface by more than 1 % of the diagonal otherwise.",
+    ),
+    click.option(
         "--fill",
         is_flag=True,
         help="Where the hexes are not valid, write a conforming mesh with pyramids and tets in their voids, too.",

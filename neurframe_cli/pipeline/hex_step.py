@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from neurframe_cli.field.fra import frame_count
-from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.picture.mesh_data import MeshData
@@ -18,16 +17,14 @@ from neurframe_cli.pipeline.atomic import atomic_path
 from neurframe_cli.pipeline.discretize_step import FRAMES_FRA
 from neurframe_cli.pipeline.fill_step import FILLED, FILLED_PICTURE, fill_step
 from neurframe_cli.pipeline.forecast import Amount, expected_hexes
-from neurframe_cli.pipeline.hex_options import HexOptions
 from neurframe_cli.pipeline.mesh_step import MadeMesh, MeshKind, MeshRequest, Model, extract, mesh_step, part
-from neurframe_cli.pipeline.native import ProgramResult, run_program
+from neurframe_cli.pipeline.native import run_program
 from neurframe_cli.pipeline.pictures import draw_or_warn
 from neurframe_cli.pipeline.report_trouble import defects_of
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.tetize_step import FEATURES, SURFACE, TETS
 from neurframe_cli.pipeline.workspace import Workspace
-from neurframe_cli.stages.pad_hexes import PaddedMesh, padded_hexes
-from neurframe_cli.stages.smooth_hexes import smooth_hexes
+from neurframe_cli.stages.finish_hexes import FinishOptions, finish_hexes
 
 
 def hex_step(workspace: Workspace, request: MeshRequest) -> Step:
@@ -38,7 +35,7 @@ def hex_step(workspace: Workspace, request: MeshRequest) -> Step:
 
 
 def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, request: MeshRequest) -> MadeMesh:
-    """Parametrize, extract, smooth."""
+    """Parametrize, extract, finish."""
     tets = frame_count(inputs[FRAMES_FRA])
     context.expect("hex", Amount(tets, hexes=expected_hexes(model.surface, request.size)))
     size = request.size.arguments(model.surface, "--target-cells")
@@ -56,33 +53,14 @@ def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, reque
     if parametrization.statistics.get("polycube"):
         context.warn(POLYCUBE)
     extraction, raw = extract(HEX, context, request.limits, parametrization, part(context.progress, 0.5, 0.7))
-    progress = part(context.progress, 0.7, 0.9)
-    smoothed = smooth_hexes(raw.V, raw.cells, model.surface, model.features, SmoothOptions(), progress)
-    cells, report = CellMesh(raw.kind, smoothed.V, raw.cells), {"smoothing": asdict(smoothed.report)}
-    if _to_pad(request.hexes, parametrization, smoothed):
-        progress = part(context.progress, 0.9, 0.95)
-        padded = padded_hexes(smoothed, raw.cells, model.surface, model.features, SmoothOptions(), progress)
-        cells = CellMesh(raw.kind, padded.smoothed.V, padded.cells)
-        report["padding"] = {"kept": padded.kept, "padded": asdict(padded.padded)}
-        if not padded.kept and request.hexes.padding:
-            context.warn(f"the hexes are not padded, that made them worse: {_padding_numbers(padded)}")
-    return MadeMesh(cells, parametrization, extraction, report)
-
-
-def _to_pad(options: HexOptions, parametrization: ProgramResult, smoothed: SmoothedMesh) -> bool:
-    """As asked; if not said, complete meshes whose worst hex is poor: often one with two faces on one smooth side."""
-    if options.padding is not None:
-        return options.padding
-    worst = smoothed.report.after.min_scaled_jacobian
-    return bool(parametrization.statistics.get("valid")) and worst < POOR
-
-
-def _padding_numbers(padded: PaddedMesh) -> str:
-    numbers = padded.padded
-    return (
-        f"{numbers.inverted} inverted, worst scaled Jacobian {numbers.min_scaled_jacobian:.3f} "
-        f"instead of {padded.smoothed.report.after.min_scaled_jacobian:.3f}"
-    )
+    options = FinishOptions(request.hexes.padding, request.hexes.splitting)
+    whole = bool(parametrization.statistics.get("valid"))
+    progress = part(context.progress, 0.7, 0.95)
+    finished = finish_hexes(raw.V, raw.cells, model.surface, model.features, options, whole, progress)
+    for warning in finished.warnings:
+        context.warn(warning)
+    cells = CellMesh(raw.kind, finished.V, finished.cells)
+    return MadeMesh(cells, parametrization, extraction, finished.report)
 
 
 def _complete(
@@ -104,7 +82,6 @@ def _complete(
 
 
 POLYCUBE = "the learned field carries no map here: the hexes follow a polycube, without singular lines inside"
-POOR = 0.2  # worst scaled Jacobian
 TROUBLE_PICTURE = "hex-trouble.png"
 HEX = MeshKind(
     name="hex",

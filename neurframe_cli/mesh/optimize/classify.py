@@ -68,7 +68,7 @@ def classify(
     tracks = []
     for found in matched.curves:
         points = surface.V[curves.curves[found.curve]]
-        start[found.path] = _in_order(points, X[found.path])
+        start[found.path] = _in_order(points, X[found.path], found.whole)
         kind[found.path] = ON_CURVE
         tracks.append(Track(curve_tree(points), found.path))
     if bend:
@@ -113,9 +113,9 @@ def curve_tree(points: Floats) -> SimplexTree:
     return SimplexTree(points, np.stack([index[:-1], index[1:]], axis=1))
 
 
-def _in_order(points: Floats, path: Floats) -> Floats:
-    """Positions (k,3) on the polyline for the vertices of a path along it: closest points, moved towards equal spacing
-    as far as needed to keep their order with a least gap."""
+def _in_order(points: Floats, path: Floats, whole: bool) -> Floats:
+    """Positions (k,3) on the polyline for the vertices of a path along it, from end to end where it covers the `whole`
+    of it: closest points, moved towards equal spacing as far as needed to keep their order with a least gap."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     knots = np.concatenate([[0.0], np.cumsum(steps)])
     foot = SimplexTree(points, np.stack([np.arange(len(steps)), np.arange(1, len(points))], axis=1)).closest(
@@ -125,12 +125,14 @@ def _in_order(points: Floats, path: Floats) -> Floats:
     if (points[0] == points[-1]).all():
         origin = arc[0]
         arc = np.concatenate([(arc[:-1] - origin) % knots[-1], knots[-1:]])
-    else:
+    elif whole:
         origin, arc = 0.0, np.concatenate([[0.0], arc[1:-1], knots[-1:]])
-    even = np.linspace(0.0, knots[-1], len(path))
+    else:
+        origin = 0.0
+    even = np.linspace(arc[0], arc[-1], len(path))
     for share in (0.0, 0.25, 0.5, 0.75, 1.0):
         placed = (1.0 - share) * arc + share * even
-        if np.diff(placed).min() >= min(SMALLEST_GAP, 1.0) * even[1]:
+        if np.diff(placed).min() >= SMALLEST_GAP * (even[1] - even[0]):
             break
     placed = (placed + origin) % knots[-1] if origin else placed
     return np.stack([np.interp(placed, knots, points[:, d]) for d in range(3)], axis=1)

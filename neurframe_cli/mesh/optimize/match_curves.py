@@ -19,15 +19,18 @@ from neurframe_cli.mesh.quality.polygons import unique_edges
 
 LENGTH_COST = 1e-3  # of an edge that lies on the curve: the shorter of two good paths is taken
 FASTEST_PROGRESS = 3.0  # arc length gained in an edge length; more is a jump across a hairpin
+FARTHEST_END = 2.0  # edge lengths between the end of a curve and that of a path that cannot begin there
 WAYPOINTS = 3  # in a closed curve without a corner
 
 
 @dataclass(frozen=True)
 class MatchedCurve:
-    """curve: index in FeatureCurves.curves; path (k,) mesh vertices along it, closed curves repeat the first."""
+    """curve: index in FeatureCurves.curves; path (k,) mesh vertices along it, closed curves repeat the first; whether
+    the path covers all of the curve, or ends near its ends because no edge was left there."""
 
     curve: int
     path: Ints
+    whole: bool = True
 
 
 @dataclass(frozen=True)
@@ -73,16 +76,33 @@ def match_features(V: Floats, features: FeatureCurves, X: Floats, faces: Ints) -
     corners = _match_corners(V[features.corners], on_rim, graph)
     vertex_of = {int(features.corners[c]): int(v) for c, v in corners}
     graph.free[corners[:, 1]] = False
-    lengths = [np.linalg.norm(np.diff(V[c], axis=0), axis=1).sum() for c in features.curves]
+    stretches = [
+        _Stretch(V[curve], graph, bool(on_rim))
+        for curve, on_rim in zip(features.curves, features.on_boundary, strict=True)
+    ]
+    stops = [_stops(s, c, vertex_of) for s, c in zip(stretches, features.curves, strict=True)]
     matched = []
-    for i in np.argsort(np.array(lengths), kind="stable").tolist():
-        curve = features.curves[i]
-        stretch = _Stretch(V[curve], graph, bool(features.on_boundary[i]))
-        path = stretch.path_through(_stops(stretch, curve, vertex_of))
-        if path is not None:
+    left = []
+    for i in _best_fit_first(stretches, stops):
+        path = stretches[i].path_through(stops[i])
+        if path is None:
+            left.append(i)
+        else:
             graph.free[path] = False
             matched.append(MatchedCurve(i, path))
+    for i in left:
+        path = stretches[i].path_through(stretches[i].near_ends())
+        if path is not None:
+            graph.free[path] = False
+            matched.append(MatchedCurve(i, path, whole=False))
     return MatchedFeatures(corners, tuple(matched))
+
+
+def _best_fit_first(stretches: list[_Stretch], stops: list[list[int]]) -> list[int]:
+    """Curves in the order of how far their paths would stray if each were alone: a vertex with fewer edges than curves
+    gives them to those that run along them.  Where two are as good, the shorter one is first."""
+    strays = [s.stray(s.path_through(at)) for s, at in zip(stretches, stops, strict=True)]
+    return sorted(range(len(strays)), key=lambda i: (round(strays[i], 3), stretches[i].knots[-1]))
 
 
 def _match_corners(points: Floats, on_rim: Bools, graph: _Graph) -> Ints:
@@ -152,6 +172,25 @@ class _Stretch:
                 rank = np.where(near, self.distance + 0.1 * np.abs(offset), np.inf)
                 chosen.append(int(self.vertices[int(rank.argmin())]))
         return chosen if len(set(chosen)) == WAYPOINTS else []
+
+    def near_ends(self) -> list[int]:
+        """The free vertices closest to the ends of an open curve, less than FARTHEST_END edge lengths along it."""
+        found: list[int] = []
+        for along in (self.arc, self.knots[-1] - self.arc):
+            reach = self.graph.reach[self.vertices]
+            near = (along < FARTHEST_END * reach) & self.graph.free[self.vertices] & (not self.closed)
+            if near.any():
+                rank = np.where(near, self.distance + along, np.inf)
+                found.append(int(self.vertices[int(rank.argmin())]))
+        return found if len(set(found)) == 2 else []
+
+    def stray(self, path: Ints | None) -> float:
+        """Mean distance of a path's edges from the curve in mean edge lengths there; inf without a path."""
+        if path is None:
+            return np.inf
+        X, reach = self.graph.X[path], self.graph.reach[path]
+        places = np.concatenate([X, (X[1:] + X[:-1]) / 2])
+        return float(self._locate(places)[0].mean() / reach.mean())
 
     def path_through(self, stops: list[int]) -> Ints | None:
         """Cheapest path that visits the stops in order, or None."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface
+from neurframe_cli.mesh.optimize.approach import approach
 from neurframe_cli.mesh.optimize.cell_kind import CellKind
 from neurframe_cli.mesh.optimize.classify import Classification, classify
 from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe, Distances
@@ -17,6 +18,7 @@ from neurframe_cli.mesh.optimize.patches import outward_normals
 from neurframe_cli.mesh.optimize.reach import reach_far_places
 from neurframe_cli.mesh.quality.polygons import unique_edges
 
+WITHIN = 0.9  # of the distance limit is what hexes are pulled to: other samples see a little more
 PASSED_BY = (
     0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
 )
@@ -104,6 +106,8 @@ def smooth_cells(
     if not final.better_than(improver.first):
         final, last = improver.first, [distances]  # what is left of the way leads nowhere
     released = 0
+    if normals is None:
+        final, last[0] = _nearer(improver, X, final, probe, last[0], options.hausdorff_limit * diagonal)
     held_back = int((final.x != improved.x).any(axis=1).sum())
     if normals is not None:
         passed_by = max(options.reach_limit * diagonal, PASSED_BY * _median_edge(final.x, faces))
@@ -121,6 +125,22 @@ def smooth_cells(
         released=released,
     )
     return SmoothedMesh(final.x, report)
+
+
+def _nearer(
+    improver: Improver, X: Floats, state: State, probe: DistanceProbe, distances: Distances, limit: float
+) -> tuple[State, Distances]:
+    """What no step that makes no hex worse had found, where `state` has inverted hexes or is beyond the `limit`: hexes
+    that are not inverted, and nearer to the surface or near enough."""
+    away = float(distances.by_face.max())
+    if state.inverted == 0 and away <= limit:
+        return state, distances
+    found = approach(improver, X, lambda x: float(probe.measure(x).by_face.max()), WITHIN * limit)
+    if found is None:
+        return state, distances
+    measured = probe.measure(found.x)
+    better = float(measured.by_face.max()) <= max(limit, away)
+    return (found, measured) if better else (state, distances)
 
 
 def _median_edge(X: Floats, faces: Ints) -> float:
