@@ -64,11 +64,22 @@ inline double total(const std::vector<std::size_t>& members, const std::vector<s
   return sum;
 }
 
+// The half-faces opposite corners 2 and 3 of turned tets change places.
+inline void renumber_twins(const std::vector<char>& turned, std::vector<int>& twin) {
+  const auto renumbered = [&](int h) {
+    return h >= 0 && h % 4 >= 2 && turned[static_cast<std::size_t>(h / 4)] != 0 ? h ^ 1 : h;
+  };
+  for (int& other : twin) other = renumbered(other);
+  for (std::size_t t = 0; t < turned.size(); ++t) {
+    if (turned[t] != 0) std::swap(twin[4 * t + 2], twin[4 * t + 3]);
+  }
+}
+
 }  // namespace detail
 
-// Turns tets (and mirrors left-handed maps) in place; half-face numbers change, so twins must be built after
-// it. Raises InputError when the mesh is not orientable.
-inline OrientationReport orient_tets(HexMap& map, const std::vector<int>& twin) {
+// Turns tets (and mirrors left-handed maps) in place, and renumbers the twins with them.  Raises InputError
+// when the mesh is not orientable.
+inline OrientationReport orient_tets(HexMap& map, std::vector<int>& twin) {
   OrientationReport report;
   std::vector<signed char> turn(map.mesh.T.size(), -1);
   report.turned.assign(map.mesh.T.size(), 0);
@@ -92,6 +103,7 @@ inline OrientationReport orient_tets(HexMap& map, const std::vector<int>& twin) 
     ++report.turned_tets;
     detail::swap_corners(map, t);
   }
+  if (report.turned_tets > 0) detail::renumber_twins(report.turned, twin);
   return report;
 }
 

@@ -75,13 +75,6 @@ inline CellLoss loss_of_walk(WalkEnd end) {
 }
 
 template <int N>
-CellSummary<N> summary_of(const Cell<N>& cell) {
-  CellSummary<N> summary{cell.sign, 1, cell.corners, {}};
-  for (std::size_t i = 0; i < cell.corners.size(); ++i) summary.failures[i] = std::min(cell.corners[i], 0);
-  return summary;
-}
-
-template <int N>
 void finish_class(const TracedCells<N>& traced, int root, bool twisted, const CellSummary<N>& summary,
                   AssembledCells<N>& out) {
   const auto lose = [&](CellLoss loss) {
@@ -102,6 +95,22 @@ void finish_class(const TracedCells<N>& traced, int root, bool twisted, const Ce
   out.traced.push_back(root);
 }
 
+// A cell that is seen once, from a simplex that is not flipped.
+template <int N>
+void finish_cell(const TracedCells<N>& traced, int number, AssembledCells<N>& out) {
+  const Cell<N>& cell = traced.cells[static_cast<std::size_t>(number)];
+  CellVertices<N> vertices{};
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    vertices[i] = cell.corners[static_cast<std::size_t>(CellShape<N>::corners[i])];
+    if (vertices[i] < 0) {
+      out.lost.push_back(lost_cell(loss_of_walk(failure_of(vertices[i])), cell));
+      return;
+    }
+  }
+  out.cells.push_back(vertices);
+  out.traced.push_back(number);
+}
+
 // Keeps the cells for which keep(index) is true and books the others as lost.
 template <int N, class Keep>
 void filter_cells(const TracedCells<N>& traced, CellLoss loss, AssembledCells<N>& out, const Keep& keep) {
@@ -118,14 +127,21 @@ void filter_cells(const TracedCells<N>& traced, CellLoss loss, AssembledCells<N>
   out.traced.resize(kept);
 }
 
+template <std::size_t Size>
+bool has_repeated_entry(const std::array<int, Size>& entries) {
+  int equal = 0;  // all pairs, without branches: faster than sorting eight numbers
+  for (std::size_t i = 0; i < Size; ++i) {
+    for (std::size_t k = i + 1; k < Size; ++k) equal |= entries[i] == entries[k] ? 1 : 0;
+  }
+  return equal != 0;
+}
+
 // Replaces joined vertices by their representatives and drops cells that repeat one.
 template <int N>
 void resolve_vertices(const TracedCells<N>& traced, const GridVertices<N>& vertices, AssembledCells<N>& out) {
   filter_cells(traced, CellLoss::collapsed_corners, out, [&](std::size_t c) {
-    for (int& v : out.cells[c]) v = vertices.find(v);
-    CellVertices<N> sorted = out.cells[c];
-    std::sort(sorted.begin(), sorted.end());
-    return std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
+    for (int& v : out.cells[c]) v = vertices.joined() > 0 ? vertices.find(v) : v;
+    return !has_repeated_entry(out.cells[c]);
   });
 }
 
@@ -141,10 +157,11 @@ AssembledCells<N> assemble_cells(const GridMap<N>& map, const InteriorPoints<N>&
   out.traced.reserve(traced.cells.size());
   for (std::size_t c = 0; c < traced.cells.size(); ++c) {
     const int cell = static_cast<int>(c);
-    if (folded.root(cell) != cell) continue;
-    const CellSummary<N> summary =
-        folded.is_folded(cell) ? folded.summary(cell) : detail::summary_of(traced.cells[c]);
-    detail::finish_class(traced, cell, folded.twisted(cell), summary, out);
+    if (!folded.is_folded(cell)) {
+      detail::finish_cell(traced, cell, out);
+    } else if (folded.root(cell) == cell) {
+      detail::finish_class(traced, cell, folded.twisted(cell), folded.summary(cell), out);
+    }
   }
   detail::resolve_vertices(traced, vertices, out);
   return out;

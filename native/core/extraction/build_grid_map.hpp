@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/errors.hpp"
@@ -120,35 +121,61 @@ int fraction_bits_of(const RealParameters<N>& real) {
   return bits;
 }
 
+// A sum of exact volumes in whole cells and a rest, of which no partial sum overflows.
+class VolumeSum {
+ public:
+  explicit VolumeSum(Int128 cell) : cell_(cell) {}
+
+  // |volume| < 2^126, and |rest_| < 2^125 before
+  void add(Int128 volume) {
+    rest_ += volume;
+    if (rest_ < -most_rest || rest_ > most_rest) carry();
+  }
+
+  // Divisions of 128 bits are slow: only where the rest has grown, and at the end.
+  void carry() {
+    whole_ += rest_ / cell_;
+    rest_ %= cell_;
+  }
+
+  bool is_whole() const { return rest_ == 0; }
+  double cells() const {
+    return static_cast<double>(whole_) + static_cast<double>(rest_) / static_cast<double>(cell_);
+  }
+
+ private:
+  static constexpr Int128 most_rest = Int128{1} << 125;
+
+  Int128 cell_;
+  Int128 whole_ = 0;
+  Int128 rest_ = 0;
+};
+
 // Signs of the simplices and the total volume, all exact.
 template <int N>
 void measure_volume(GridMap<N>& map, MapReport& report) {
   map.orientation.resize(map.S.size());
   map.touches_flat.assign(map.V.size(), 0);
-  const Int128 cell = (N == 3 ? 6 : 2) * (Int128{1} << (N * map.fraction_bits));
-  Int128 whole = 0;
-  Int128 rest = 0;  // kept below one cell, so that no sum overflows
+  VolumeSum sum((N == 3 ? 6 : 2) * (Int128{1} << (N * map.fraction_bits)));
   for (std::size_t t = 0; t < map.P.size(); ++t) {
     const Int128 volume = signed_measure(map.P[t]);
     map.orientation[t] = static_cast<std::int8_t>(sign_of(volume));
-    rest += volume % cell;
-    whole += volume / cell + rest / cell;
-    rest %= cell;
+    sum.add(volume);
     report.flipped += volume < 0 ? 1 : 0;
     report.flat += volume == 0 ? 1 : 0;
     if (volume != 0) continue;
     for (const int v : map.S[t]) map.touches_flat[static_cast<std::size_t>(v)] = 1;
   }
-  report.whole_volume = rest == 0;
-  report.parametric_volume =
-      static_cast<double>(whole) + static_cast<double>(rest) / static_cast<double>(cell);
+  sum.carry();
+  report.whole_volume = sum.is_whole();
+  report.parametric_volume = sum.cells();
 }
 
 // Fills the exact part of a map whose V, S and twin are set, with the transitions found.
 template <int N>
-void complete_grid_map(const RealParameters<N>& real, const RecoveredTransitions<N>& found, int threads,
+void complete_grid_map(const RealParameters<N>& real, RecoveredTransitions<N> found, int threads,
                        GridMap<N>& map, MapReport& report) {
-  report.seamless = make_seamless(real, found, threads, map);
+  report.seamless = make_seamless(real, std::move(found), threads, map);
   measure_volume(map, report);
 }
 

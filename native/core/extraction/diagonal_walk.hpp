@@ -10,7 +10,9 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
+#include "core/extraction/certain_sides.hpp"
 #include "core/extraction/simplex_planes.hpp"
 
 namespace neurframe {
@@ -49,6 +51,7 @@ struct WalkResult {
   int simplex = -1;
   FixedPoint<N> point{};  // the point reached or returned to, in the chart of the simplex
   Rotation<N> rotation;   // from the chart of the start to that of the simplex
+  bool inside = false;    // the point is certainly strictly inside the simplex
 };
 
 namespace detail {
@@ -60,29 +63,25 @@ class DiagonalWalk {
  public:
   // From p + Q(e) inside simplex t (not flat) to the same shift of p + diagonal(corner) / 2.
   DiagonalWalk(const GridMap<N>& map, int t, const FixedPoint<N>& p, int corner, Rotation<N> Q)
-      : map_(map),
-        simplex_(t),
-        start_(p),
-        end_(p),
-        s_(diagonal<N>(corner)),
-        Q_(Q),
-        start_orientation_(orientation()) {
+      : map_(map), simplex_(t), end_(p), s_(diagonal<N>(corner)), Q_(Q), start_orientation_(orientation()) {
     for (std::size_t i = 0; i < N; ++i) end_[i] += s_[i] * (map.one() / 2);
   }
 
-  WalkResult<N> run() {
-    int exit = first_exit();
-    for (int step = 0; step < most_walk_steps && exit >= 0; ++step) {
-      if (orientation() == start_orientation_ && inside_of(exit, end_)) return result(WalkEnd::reached, end_);
-      if (orientation() == -start_orientation_ && inside_of(exit, start_))
-        return result(WalkEnd::returned, start_);
+  // first_exit: the facet that the segment leaves simplex t through, or -1 where that is not known.
+  WalkResult<N> run(int first_exit) {
+    int exit = first_exit;
+    for (int step = 0, entry = -1; step < most_walk_steps; ++step) {
+      if (exit < 0) {
+        const std::optional<WalkEnd> end = find_exit(entry, exit);
+        if (end) return result(*end, *end == WalkEnd::returned ? start() : end_);
+      }
       const auto h = static_cast<std::size_t>((N + 1) * simplex_ + exit);
       const int across = map_.twin[h];
-      if (orientation() == start_orientation_) last_forward_ = result(WalkEnd::reached, end_);
       if (across < 0) return at_boundary();
       if (!map_.transition[h].exact) return result(WalkEnd::broken, end_);
       cross(map_.transition[h], across / (N + 1));
-      exit = next_exit(across % (N + 1));
+      entry = across % (N + 1);
+      exit = -1;
     }
     return result(WalkEnd::lost, end_);
   }
@@ -90,8 +89,32 @@ class DiagonalWalk {
  private:
   int orientation() const { return map_.orientation[static_cast<std::size_t>(simplex_)]; }
 
+  FixedPoint<N> start() const {
+    FixedPoint<N> p = end_;
+    for (std::size_t i = 0; i < N; ++i) p[i] -= s_[i] * (map_.one() / 2);
+    return p;
+  }
+
   WalkResult<N> result(WalkEnd end, const FixedPoint<N>& point) const {
-    return {end, simplex_, point, rotation_};
+    return {end, simplex_, point, rotation_, inside_};
+  }
+
+  // Sets the facet through which the walk leaves the current simplex, or returns how it ends there.  Running
+  // forward, the side of the end point alone tells nearly always, and in doubles.
+  std::optional<WalkEnd> find_exit(int entry, int& exit) {
+    const bool forward = orientation() == start_orientation_;
+    if (forward) {
+      const CertainSides<N> sides = certain_sides(map_, simplex_, end_);
+      inside_ = sides.all_inside();
+      if (inside_) return WalkEnd::reached;
+      exit = sides.only_exit();
+      if (exit >= 0) return {};
+    }
+    exit = entry < 0 ? first_exit() : next_exit(entry);
+    if (exit < 0) return WalkEnd::lost;
+    if (forward && inside_of(exit, end_)) return WalkEnd::reached;
+    if (orientation() == -start_orientation_ && inside_of(exit, start())) return WalkEnd::returned;
+    return {};
   }
 
   auto seen_corners(const DiagonalView<N>& view) const {
@@ -103,7 +126,7 @@ class DiagonalWalk {
 
   // The facet of the first simplex that the segment leaves through.
   int first_exit() const {
-    const DiagonalView<N> view(start_, s_, Q_);
+    const DiagonalView<N> view(end_, s_, Q_);
     const auto x = seen_corners(view);
     for (std::size_t facet = 0; facet <= N; ++facet) {
       const auto corner = [&](std::size_t k) {
@@ -125,7 +148,7 @@ class DiagonalWalk {
   // The other facet that the line meets, having come in through `entry`.  Seen along the line, the entry
   // facet turns against start_orientation_ in every simplex, because facets are crossed from behind to front.
   int next_exit(int entry) const {
-    const DiagonalView<N> view(start_, s_, Q_);
+    const DiagonalView<N> view(end_, s_, Q_);
     const auto x = seen_corners(view);
     const auto opposite =
         static_cast<std::size_t>(Dimension<N>::opposite_corner[static_cast<std::size_t>(entry)]);
@@ -153,13 +176,17 @@ class DiagonalWalk {
   // where the end point is, perhaps through flat simplices, and the last one that it ran forward in holds the
   // end point.
   WalkResult<N> at_boundary() const {
-    const FacetSigns<N> signs = exact_facet_signs(map_, last_forward_.simplex, last_forward_.point);
-    return none_negative(signs) ? last_forward_ : result(WalkEnd::boundary, end_);
+    const WalkResult<N> last =
+        orientation() == start_orientation_ ? result(WalkEnd::reached, end_) : last_forward_;
+    const FacetSigns<N> signs = exact_facet_signs(map_, last.simplex, last.point);
+    return none_negative(signs) ? last : result(WalkEnd::boundary, end_);
   }
 
   void cross(const FacetTransition<N>& transition, int simplex) {
+    if (orientation() == start_orientation_ &&
+        map_.orientation[static_cast<std::size_t>(simplex)] != start_orientation_)
+      last_forward_ = result(WalkEnd::reached, end_);
     simplex_ = simplex;
-    start_ = carry(transition, start_, map_.fraction_bits);
     end_ = carry(transition, end_, map_.fraction_bits);
     if (transition.rotation == Rotation<N>{}) return;
     s_ = transition.rotation(s_);
@@ -169,21 +196,22 @@ class DiagonalWalk {
 
   const GridMap<N>& map_;
   int simplex_;
-  FixedPoint<N> start_;
   FixedPoint<N> end_;
   std::array<int, N> s_;
   Rotation<N> Q_;
   Rotation<N> rotation_;
   int start_orientation_;
+  bool inside_ = false;
   WalkResult<N> last_forward_;
 };
 
 }  // namespace detail
 
+// first_exit: the facet that the segment leaves simplex t through, where that is known already.
 template <int N>
 WalkResult<N> walk_diagonal(const GridMap<N>& map, int t, const FixedPoint<N>& p, int corner,
-                            std::type_identity_t<Rotation<N>> Q) {
-  return detail::DiagonalWalk<N>(map, t, p, corner, Q).run();
+                            std::type_identity_t<Rotation<N>> Q, int first_exit = -1) {
+  return detail::DiagonalWalk<N>(map, t, p, corner, Q).run(first_exit);
 }
 
 }  // namespace neurframe

@@ -5,27 +5,22 @@
 //   3. number the corners between simplices; join repeated ones    grid_vertices.hpp, folded_vertices.hpp
 //   4. assemble cells, account for those that are lost             folded_cells.hpp, assemble_cells.hpp,
 //   manifold_cells.hpp
-//   5. place the vertices                                          here
+//   5. place the vertices                                          locate_points.hpp, here
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/extraction/assemble_cells.hpp"
 #include "core/extraction/folded_vertices.hpp"
+#include "core/extraction/locate_points.hpp"
 #include "core/extraction/manifold_cells.hpp"
 
 namespace neurframe {
-
-// A vertex of the result on the input: simplex and barycentric coordinates.
-template <int N>
-struct Location {
-  int simplex = -1;
-  std::array<double, N + 1> weights{};
-};
 
 template <int N>
 struct Extraction {
@@ -36,38 +31,6 @@ struct Extraction {
   int folded_cells = 0;
   int joined_vertices = 0;
 };
-
-inline Int128 signed_measure(const std::array<FixedPoint<2>, 3>& P) {
-  return orient2d(P[0], P[1], P[2]);
-}
-inline Int128 signed_measure(const std::array<FixedPoint<3>, 4>& P) {
-  return orient3d(P[0], P[1], P[2], P[3]);
-}
-
-// Barycentric coordinates from exact determinants: exact zeros where the point lies on a facet, edge or
-// vertex.
-template <int N>
-Location<N> locate(const GridMap<N>& map, int simplex, const FixedPoint<N>& point) {
-  Location<N> location{simplex, {}};
-  const auto& P = map.P[static_cast<std::size_t>(simplex)];
-  const auto whole = static_cast<double>(signed_measure(P));
-  for (std::size_t i = 0; i <= N; ++i) {
-    auto replaced = P;
-    replaced[i] = point;
-    location.weights[i] = static_cast<double>(signed_measure(replaced)) / whole;
-  }
-  return location;
-}
-
-template <int N>
-Point3 position(const GridMap<N>& map, const Location<N>& location) {
-  Point3 p{0, 0, 0};
-  for (std::size_t i = 0; i <= N; ++i) {
-    const auto v = static_cast<std::size_t>(map.S[static_cast<std::size_t>(location.simplex)][i]);
-    for (std::size_t k = 0; k < 3; ++k) p[k] += location.weights[i] * map.V[v][k];
-  }
-  return p;
-}
 
 namespace detail {
 
@@ -90,19 +53,25 @@ std::vector<int> compact_vertices(std::vector<CellVertices<N>>& cells, int verti
 template <int N>
 void place_vertices(const GridMap<N>& map, const InteriorPoints<N>& points, const GridVertices<N>& vertices,
                     const std::vector<int>& renumbered, int threads, Extraction<N>& out) {
-  const auto place = [&](int number, int simplex, const FixedPoint<N>& point) {
+  const auto place = [&](int number, const SimplexLocator<N>& locator, const FixedPoint<N>& point) {
     const int v = renumbered[static_cast<std::size_t>(number)];
     if (v < 0) return;
-    out.locations[static_cast<std::size_t>(v)] = locate(map, simplex, point);
-    out.V[static_cast<std::size_t>(v)] = position(map, out.locations[static_cast<std::size_t>(v)]);
+    Location<N>& location = out.locations[static_cast<std::size_t>(v)];
+    location = locator(point);
+    out.V[static_cast<std::size_t>(v)] = position(map, location);
   };
   parallel_for(static_cast<std::int64_t>(map.P.size()), threads, [&](std::int64_t t) {
-    const int simplex = static_cast<int>(t);
-    points.for_each(simplex, [&](int number, const FixedPoint<N>& p) { place(number, simplex, p); });
+    std::optional<SimplexLocator<N>> locator;  // most simplices of a fine mesh have no point
+    points.for_each(static_cast<int>(t), [&](int number, const FixedPoint<N>& p) {
+      if (!locator) locator.emplace(map, static_cast<int>(t));
+      place(number, *locator, p);
+    });
   });
-  for (int number = vertices.interior_count(); number < vertices.count(); ++number) {
-    place(number, vertices.place(number).simplex, vertices.place(number).point);
-  }
+  parallel_for(vertices.count() - vertices.interior_count(), threads, [&](std::int64_t i) {
+    const int number = vertices.interior_count() + static_cast<int>(i);
+    const VertexPlace<N>& named = vertices.place(number);
+    place(number, SimplexLocator<N>(map, named.simplex), named.point);
+  });
 }
 
 }  // namespace detail

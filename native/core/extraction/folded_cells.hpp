@@ -58,7 +58,8 @@ class FoldedCells {
 
   // The root of a cell's class: the cell with the lowest number.
   int root(int cell) { return classes_.find(cell).cell; }
-  bool is_folded(int root) const { return members_.count(root) != 0; }
+  // True for the members of all classes that need more than a cell's own walks.
+  bool is_folded(int cell) { return !members_.empty() && members_.count(root(cell)) != 0; }
   bool twisted(int root) const { return classes_.twisted(root); }
 
   // Joins the vertices that turn out to be one.

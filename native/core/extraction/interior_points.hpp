@@ -28,16 +28,14 @@ class InteriorPoints {
     std::int64_t columns = 0;
     for (ColumnBox& box : boxes_) {
       box.first = columns;
-      std::int64_t base = 1;
-      for (const std::int64_t size : box.size) base *= size;
-      columns += base;
+      columns += box.columns();
     }
     for (Column& column : columns_) {
-      const std::int64_t height = column.first;  // add_simplex left the height here
-      column.first = count_;
+      const std::int32_t height = column.first;  // add_simplex left the height here
+      column.first = static_cast<std::int32_t>(count_);
       count_ += height;
+      if (count_ > most_points) throw StageError("more than " + std::to_string(most_points) + " grid points");
     }
-    if (count_ > most_points) throw StageError("more than " + std::to_string(most_points) + " grid points");
   }
 
   std::int64_t count() const { return count_; }
@@ -56,8 +54,7 @@ class InteriorPoints {
   template <class Visit>
   void for_each(int t, const Visit& visit) const {
     const ColumnBox& box = boxes_[static_cast<std::size_t>(t)];
-    std::int64_t columns = 1;
-    for (const std::int64_t size : box.size) columns *= size;
+    const std::int64_t columns = box.columns();
     for (std::int64_t i = 0; i < columns; ++i) {
       const auto place = static_cast<std::size_t>(box.first + i);
       const std::int64_t end = place + 1 < columns_.size() ? columns_[place + 1].first : count_;
@@ -74,17 +71,24 @@ class InteriorPoints {
  private:
   static constexpr std::int64_t most_points = (std::int64_t{1} << 31) - 1;
 
+  // 32 bits are enough: coordinates stay below 2^24 cells.
   struct ColumnBox {
     std::int64_t first = 0;
-    std::array<std::int64_t, N - 1> low{};
-    std::array<std::int64_t, N - 1> size{};  // zero where the simplex has no lattice point in its box
+    std::array<std::int32_t, N - 1> low{};
+    std::array<std::int32_t, N - 1> size{};  // zero where the simplex has no lattice point in its box
+
+    std::int64_t columns() const {
+      std::int64_t product = 1;
+      for (const std::int32_t entry : size) product *= entry;
+      return product;
+    }
   };
   struct Column {
-    std::int64_t lowest;  // interior index
-    std::int64_t first;   // its number
+    std::int32_t lowest;  // interior index
+    std::int32_t first;   // its number
   };
 
-  // Four GiB of columns.  Parameters of one wrong number span millions of cells: without this check they end
+  // Two GiB of columns.  Parameters of one wrong number span millions of cells: without this check they end
   // in the memory of the machine.
   void refuse_too_many_columns() const {
     constexpr double most_columns = 1 << 28;
@@ -99,18 +103,20 @@ class InteriorPoints {
     if (box.empty() || map_->orientation[static_cast<std::size_t>(t)] == 0) return;
     ColumnBox& columns = boxes_[static_cast<std::size_t>(t)];
     for (std::size_t k = 0; k + 1 < N; ++k) {
-      columns.low[k] = box.low[k];
-      columns.size[k] = box.high[k] - box.low[k] + 1;
+      columns.low[k] = static_cast<std::int32_t>(box.low[k]);
+      columns.size[k] = static_cast<std::int32_t>(box.high[k] - box.low[k] + 1);
     }
     const SimplexPlanes<N> planes(*map_, t);
-    for_each_column<N>(planes, box, map_->one(), 0, [&](LatticeIndex<N> index, Interval column) {
+    for_each_column<N>(planes, box, map_->one(), 0, [&](LatticeIndex<N> index, ColumnRange column) {
       const auto inside = [&](std::int64_t last) {
+        if (column.certainly_inside(last)) return true;
         index[N - 1] = last;
         return all_positive(planes.signs(lattice_point<N>(index, map_->one(), 0)));
       };
       while (column.begin < column.end && !inside(column.begin)) ++column.begin;
       while (column.begin < column.end && !inside(column.end - 1)) --column.end;
-      out.push_back({column.begin, std::max<std::int64_t>(0, column.end - column.begin)});
+      out.push_back({static_cast<std::int32_t>(column.begin),
+                     static_cast<std::int32_t>(std::max<std::int64_t>(0, column.end - column.begin))});
     });
   }
 

@@ -4,49 +4,30 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 
+#include "core/extraction/lattice_columns.hpp"
 #include "core/extraction/simplex_planes.hpp"
 
 namespace neurframe {
-
-// Lattice index i stands for the coordinate i + shift, in cells.
-template <int N>
-using LatticeIndex = std::type_identity_t<std::array<std::int64_t, N>>;
-
-template <int N>
-struct LatticeBox {
-  LatticeIndex<N> low{};
-  LatticeIndex<N> high{};  // inclusive
-
-  bool empty() const {
-    for (std::size_t k = 0; k < N; ++k) {
-      if (low[k] > high[k]) return true;
-    }
-    return false;
-  }
-};
-
-template <int N>
-FixedPoint<N> lattice_point(const LatticeIndex<N>& index, Fixed one, Fixed shift) {
-  FixedPoint<N> p{};
-  for (std::size_t k = 0; k < N; ++k) p[k] = index[k] * one + shift;
-  return p;
-}
 
 // The lattice indices whose points lie in the bounding box of simplex t; shift in fixed point (0 or one
 // half).
 template <int N>
 LatticeBox<N> lattice_box(const GridMap<N>& map, int t, Fixed shift) {
-  LatticeBox<N> box;
   const auto& P = map.P[static_cast<std::size_t>(t)];
+  FixedPoint<N> low = P[0];
+  FixedPoint<N> high = P[0];
+  for (std::size_t i = 1; i <= N; ++i) {
+    for (std::size_t k = 0; k < N; ++k) {
+      low[k] = std::min(low[k], P[i][k]);
+      high[k] = std::max(high[k], P[i][k]);
+    }
+  }
+  LatticeBox<N> box;
   for (std::size_t k = 0; k < N; ++k) {
-    const auto [low, high] =
-        std::minmax_element(P.begin(), P.end(), [k](const auto& a, const auto& b) { return a[k] < b[k]; });
-    box.low[k] =
-        ((*low)[k] - shift + map.one() - 1) >> map.fraction_bits;  // arithmetic shift: floor division
-    box.high[k] = ((*high)[k] - shift) >> map.fraction_bits;
+    box.low[k] = (low[k] - shift + map.one() - 1) >> map.fraction_bits;  // arithmetic shift: floor division
+    box.high[k] = (high[k] - shift) >> map.fraction_bits;
   }
   return box;
 }
@@ -65,43 +46,15 @@ double column_count(const GridMap<N>& map, Fixed shift) {
   return columns;
 }
 
-struct Interval {
-  std::int64_t begin;
-  std::int64_t end;  // exclusive
-};
-
-// A superset of the indices along the last axis whose points lie in the closed simplex, for the column of
-// `index`.
-template <int N>
-Interval column_candidates(const SimplexPlanes<N>& planes, LatticeIndex<N> index, Fixed one, Fixed shift,
-                           Interval range) {
-  for (std::size_t facet = 0; facet <= N; ++facet) {
-    const double slope = planes.normal(facet)[N - 1] * static_cast<double>(one);
-    const double slack = 2.0 * planes.error() / std::abs(slope);
-    if (!(slack < 0.25)) continue;  // nearly parallel to the column: bounds nothing reliably
-    index[N - 1] = range.begin;
-    const double root =
-        static_cast<double>(range.begin) - planes.value(facet, lattice_point<N>(index, one, shift)) / slope;
-    const auto below = static_cast<std::int64_t>(std::floor(root - slack));
-    const auto above = static_cast<std::int64_t>(std::ceil(root + slack));
-    if (slope > 0) {
-      range.begin = std::max(range.begin, below);
-    } else {
-      range.end = std::min(range.end, above + 1);
-    }
-    if (range.begin >= range.end) break;
-  }
-  return range;
-}
-
-// Calls visit(index, candidates) for every column of the box; the last entry of index is free.
+// Calls visit(index, range) for every column of the box; the last entry of index is free.
 template <int N, class Visit>
 void for_each_column(const SimplexPlanes<N>& planes, const LatticeBox<N>& box, Fixed one, Fixed shift,
                      const Visit& visit) {
   if (box.empty()) return;
+  const ColumnCutter<N> cut(planes, box, one, shift);
   LatticeIndex<N> index = box.low;
   while (true) {
-    visit(index, column_candidates<N>(planes, index, one, shift, {box.low[N - 1], box.high[N - 1] + 1}));
+    visit(index, cut(index));
     std::size_t axis = N - 1;  // odometer over all axes but the last
     while (axis > 0 && index[axis - 1] == box.high[axis - 1]) {
       index[axis - 1] = box.low[axis - 1];
@@ -116,10 +69,12 @@ void for_each_column(const SimplexPlanes<N>& planes, const LatticeBox<N>& box, F
 template <int N, class Visit>
 void for_each_lattice_point(const GridMap<N>& map, const SimplexPlanes<N>& planes, const LatticeBox<N>& box,
                             Fixed shift, const Visit& visit) {
-  for_each_column<N>(planes, box, map.one(), shift, [&](LatticeIndex<N> index, Interval column) {
-    for (index[N - 1] = column.begin; index[N - 1] < column.end; ++index[N - 1]) {
+  FacetSigns<N> inside;
+  inside.fill(1);
+  for_each_column<N>(planes, box, map.one(), shift, [&](LatticeIndex<N> index, const ColumnRange& range) {
+    for (index[N - 1] = range.begin; index[N - 1] < range.end; ++index[N - 1]) {
       const FixedPoint<N> p = lattice_point<N>(index, map.one(), shift);
-      const FacetSigns<N> signs = planes.signs(p);
+      const FacetSigns<N> signs = range.certainly_inside(index[N - 1]) ? inside : planes.signs(p);
       if (none_negative(signs)) visit(p, signs);
     }
   });

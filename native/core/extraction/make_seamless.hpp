@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "core/extraction/fixed_space.hpp"
@@ -27,26 +29,25 @@ struct SeamlessReport {
 
 namespace detail {
 
-// One connected part of the star of a vertex, with the transition from its first chart to each of its charts.
-template <int N>
-struct StarSheet {
-  std::vector<int> corners;
-  std::vector<GridTransition<N>> from_master;
-};
-
+// The star of a vertex falls into sheets, connected through facets; corners go by their place in the star.
 template <int N>
 class StarWalker {
  public:
-  StarWalker(const GridMap<N>& map, const RecoveredTransitions<N>& found, const RealParameters<N>& real)
-      : map_(map), found_(found), real_(real) {}
+  StarWalker(const GridMap<N>& map, const VertexStars& stars, const RecoveredTransitions<N>& found,
+             const RealParameters<N>& real)
+      : map_(map), stars_(stars), found_(found), real_(real) {}
 
-  // Sets the parameters of all corners of a star; returns the largest move, or -1 on a contradiction.
-  double settle(std::span<const int> star, std::vector<std::array<FixedPoint<N>, N + 1>>& P) {
+  // Sets the parameters of all corners around a vertex; returns the largest move, or -1 on a contradiction.
+  double settle(std::size_t vertex, std::vector<std::array<FixedPoint<N>, N + 1>>& P) {
+    star_ = stars_.of(vertex);
+    visited_.assign(star_.size(), 0);
+    from_master_.resize(star_.size());
+    waiting_ = star_.size();
     double move = 0.0;
     bool consistent = true;
-    pending_.assign(star.begin(), star.end());
-    while (!pending_.empty()) {
-      collect_sheet();
+    for (std::size_t first = 0; waiting_ > 0; ++first) {
+      if (visited_[first] != 0) continue;
+      collect_sheet(first);
       const double moved = settle_sheet(P, consistent);
       move = std::max(move, moved);
     }
@@ -55,33 +56,35 @@ class StarWalker {
 
  private:
   // Breadth first, through faces with a certain rotation while there are any, then through ambiguous ones.
-  void collect_sheet() {
-    sheet_.corners.assign(1, pending_.front());
-    sheet_.from_master.assign(1, {});
-    pending_.erase(pending_.begin());
-    for (std::size_t certain = 0, any = 0; any < sheet_.corners.size();) {
-      if (certain < sheet_.corners.size()) {
-        visit_neighbours(certain++, false);
+  void collect_sheet(std::size_t first) {
+    sheet_.clear();
+    visit(first, {});
+    for (std::size_t certain = 0, any = 0; any < sheet_.size() && waiting_ > 0;) {
+      if (certain < sheet_.size()) {
+        visit_neighbours(sheet_[certain++], false);
       } else {
-        visit_neighbours(any++, true);
+        visit_neighbours(sheet_[any++], true);
       }
     }
   }
 
+  void visit(std::size_t place, const GridTransition<N>& from_master) {
+    sheet_.push_back(place);
+    visited_[place] = 1;
+    from_master_[place] = from_master;
+    --waiting_;
+  }
+
   void visit_neighbours(std::size_t place, bool ambiguous) {
-    const int corner = sheet_.corners[place];
+    const int corner = star_[place];
     for (int i = 0; i <= N; ++i) {
       const int h = corner - corner % (N + 1) + i;
       const int across = map_.twin[static_cast<std::size_t>(h)];
       if (is_opposite(h, corner) || across < 0 ||
           found_.transition[static_cast<std::size_t>(h)].ambiguous != ambiguous)
         continue;
-      const int next = corner_across(corner, across);
-      const auto waiting = std::lower_bound(pending_.begin(), pending_.end(), next);
-      if (waiting == pending_.end() || *waiting != next) continue;
-      pending_.erase(waiting);
-      sheet_.corners.push_back(next);
-      sheet_.from_master.push_back(transition(h) * sheet_.from_master[place]);
+      const std::size_t next = place_across(corner, across);
+      if (visited_[next] == 0) visit(next, transition(h) * from_master_[place]);
     }
   }
 
@@ -90,10 +93,13 @@ class StarWalker {
     return Dimension<N>::opposite_corner[static_cast<std::size_t>(facet % (N + 1))] == corner % (N + 1);
   }
 
-  int corner_across(int corner, int across) const {
+  // The same vertex in the simplex behind a facet.
+  std::size_t place_across(int corner, int across) const {
     const auto t = static_cast<std::size_t>(corner / (N + 1));
     const int vertex = map_.S[t][static_cast<std::size_t>(corner % (N + 1))];
-    return across - across % (N + 1) + corner_at(map_.S[static_cast<std::size_t>(across / (N + 1))], vertex);
+    const int behind = across / (N + 1);
+    const int other = (N + 1) * behind + corner_at(map_.S[static_cast<std::size_t>(behind)], vertex);
+    return static_cast<std::size_t>(stars_.place[static_cast<std::size_t>(other)]);
   }
 
   GridTransition<N> transition(int h) const {
@@ -102,14 +108,12 @@ class StarWalker {
 
   double settle_sheet(std::vector<std::array<FixedPoint<N>, N + 1>>& P, bool& consistent) const {
     FixedSpace<N> space(map_.one());
-    for (std::size_t place = 0; place < sheet_.corners.size(); ++place) {
-      consistent = add_conditions(place, space) && consistent;
-    }
-    const FixedPoint<N> master = space.project(rounded(sheet_.corners[0]));
+    for (const std::size_t place : sheet_) consistent = add_conditions(place, space) && consistent;
+    const FixedPoint<N> master = space.project(rounded(star_[sheet_[0]]));
     double move = 0.0;
-    for (std::size_t place = 0; place < sheet_.corners.size(); ++place) {
-      const int corner = sheet_.corners[place];
-      const FixedPoint<N> value = sheet_.from_master[place](master, map_.one());
+    for (const std::size_t place : sheet_) {
+      const int corner = star_[place];
+      const FixedPoint<N> value = from_master_[place](master, map_.one());
       for (const Fixed d : difference(value, rounded(corner))) {
         move = std::max(move, std::abs(from_fixed(d, map_.fraction_bits)));
       }
@@ -119,23 +123,26 @@ class StarWalker {
   }
 
   bool add_conditions(std::size_t place, FixedSpace<N>& space) const {
-    const int corner = sheet_.corners[place];
-    const GridTransition<N> to_master = sheet_.from_master[place].inverse();
+    const int corner = star_[place];
     bool consistent = true;
     for (int i = 0; i <= N; ++i) {
       const int h = corner - corner % (N + 1) + i;
       if (is_opposite(h, corner)) continue;
       const int across = map_.twin[static_cast<std::size_t>(h)];
       if (across < 0) {
-        consistent = add_boundary_plane(h, to_master, space) && consistent;
+        consistent = add_boundary_plane(h, from_master_[place].inverse(), space) && consistent;
       } else if (across > h && !found_.transition[static_cast<std::size_t>(h)].ambiguous) {
-        const std::size_t other = place_of(corner_across(corner, across));
-        const GridTransition<N> loop =
-            sheet_.from_master[other].inverse() * transition(h) * sheet_.from_master[place];
-        if (loop != GridTransition<N>{}) consistent = space.require_fixed_by(loop) && consistent;
+        consistent = add_loop(place, h, place_across(corner, across), space) && consistent;
       }
     }
     return consistent;
+  }
+
+  // From the master to one chart, across its facet h to another, and back.
+  bool add_loop(std::size_t place, int h, std::size_t other, FixedSpace<N>& space) const {
+    const GridTransition<N> there = transition(h) * from_master_[place];
+    if (there == from_master_[other]) return true;
+    return space.require_fixed_by(from_master_[other].inverse() * there);
   }
 
   bool add_boundary_plane(int h, const GridTransition<N>& to_master, FixedSpace<N>& space) const {
@@ -152,11 +159,6 @@ class StarWalker {
     return space.require_value(axis, point[axis] * map_.one());
   }
 
-  std::size_t place_of(int corner) const {
-    return static_cast<std::size_t>(std::find(sheet_.corners.begin(), sheet_.corners.end(), corner) -
-                                    sheet_.corners.begin());
-  }
-
   FixedPoint<N> rounded(int corner) const {
     const auto& corners = real_[static_cast<std::size_t>(corner / (N + 1))];
     FixedPoint<N> lattice{};
@@ -167,49 +169,63 @@ class StarWalker {
   }
 
   const GridMap<N>& map_;
+  const VertexStars& stars_;
   const RecoveredTransitions<N>& found_;
   const RealParameters<N>& real_;
-  std::vector<int> pending_;  // ascending
-  StarSheet<N> sheet_;
+  std::span<const int> star_;
+  std::vector<char> visited_;                   // per place
+  std::vector<GridTransition<N>> from_master_;  // per place
+  std::size_t waiting_ = 0;                     // places not visited yet
+  std::vector<std::size_t> sheet_;              // places in the order of the visits, the master first
 };
 
-// Marks the transitions that map the corners of their facet exactly; returns the number of facets that fail.
+// True when the transition across facet h maps the corners of the facet exactly.
 template <int N>
-int mark_exact_transitions(GridMap<N>& map) {
-  int broken = 0;
-  for (std::size_t i = 0; i < map.twin.size(); ++i) {
-    const int other = map.twin[i];
-    const int h = static_cast<int>(i);
-    if (other < h) continue;
-    const auto s = static_cast<std::size_t>(other / (N + 1));
-    const std::array<int, N> vertices = facet_vertices<N>(map.S, h);
-    const std::array<FixedPoint<N>, N> points = facet_points(map, h);
-    bool exact = true;
-    for (std::size_t k = 0; k < N; ++k) {
-      const auto corner = static_cast<std::size_t>(corner_at(map.S[s], vertices[k]));
-      exact = exact && carry(map.transition[i], points[k], map.fraction_bits) == map.P[s][corner];
-    }
-    broken += exact ? 0 : 1;
-    map.transition[i].exact = map.transition[static_cast<std::size_t>(other)].exact = exact;
+bool is_exact(const GridMap<N>& map, int h) {
+  const auto s = static_cast<std::size_t>(map.twin[static_cast<std::size_t>(h)] / (N + 1));
+  const std::array<int, N> vertices = facet_vertices<N>(map.S, h);
+  const std::array<FixedPoint<N>, N> points = facet_points(map, h);
+  const FacetTransition<N>& transition = map.transition[static_cast<std::size_t>(h)];
+  bool exact = true;
+  for (std::size_t k = 0; k < N; ++k) {
+    const auto corner = static_cast<std::size_t>(corner_at(map.S[s], vertices[k]));
+    exact = exact && carry(transition, points[k], map.fraction_bits) == map.P[s][corner];
   }
-  return broken;
+  return exact;
+}
+
+// Marks the transitions that are exact; returns the number of facets that fail.
+template <int N>
+int mark_exact_transitions(GridMap<N>& map, int threads) {
+  const auto facets = static_cast<std::int64_t>(map.twin.size());
+  const std::vector<int> broken =
+      parallel_collect<int>(facets, threads, [&](std::int64_t begin, std::int64_t end, auto& failed) {
+        for (int h = static_cast<int>(begin); h < end; ++h) {
+          const int other = map.twin[static_cast<std::size_t>(h)];
+          if (other < h) continue;
+          const bool exact = is_exact(map, h);
+          if (!exact) failed.push_back(h);
+          map.transition[static_cast<std::size_t>(h)].exact = exact;
+          map.transition[static_cast<std::size_t>(other)].exact = exact;
+        }
+      });
+  return static_cast<int>(broken.size());
 }
 
 }  // namespace detail
 
 // Fills map.P and map.transition from the real parameters.
 template <int N>
-SeamlessReport make_seamless(const RealParameters<N>& real, const RecoveredTransitions<N>& found, int threads,
+SeamlessReport make_seamless(const RealParameters<N>& real, RecoveredTransitions<N> found, int threads,
                              GridMap<N>& map) {
   const VertexStars stars = vertex_stars(map);
   map.P.resize(map.S.size());
   std::vector<double> moves(map.V.size(), 0.0);
   parallel_chunks(static_cast<std::int64_t>(moves.size()), threads,
                   [&](std::int64_t begin, std::int64_t end, std::int64_t) {
-                    detail::StarWalker<N> walker(map, found, real);
+                    detail::StarWalker<N> walker(map, stars, found, real);
                     for (std::int64_t v = begin; v < end; ++v) {
-                      moves[static_cast<std::size_t>(v)] =
-                          walker.settle(stars.of(static_cast<std::size_t>(v)), map.P);
+                      moves[static_cast<std::size_t>(v)] = walker.settle(static_cast<std::size_t>(v), map.P);
                     }
                   });
   SeamlessReport report;
@@ -217,8 +233,8 @@ SeamlessReport make_seamless(const RealParameters<N>& real, const RecoveredTrans
     report.contradictory_vertices += move < 0.0 ? 1 : 0;
     report.largest_move = std::max(report.largest_move, move);
   }
-  map.transition = found.transition;
-  report.broken_facets = detail::mark_exact_transitions(map);
+  map.transition = std::move(found.transition);
+  report.broken_facets = detail::mark_exact_transitions(map, threads);
   return report;
 }
 

@@ -27,10 +27,9 @@ using RealParameters = std::vector<std::array<RealPoint<N>, N + 1>>;
 template <int N>
 struct RecoveredTransitions {
   std::vector<FacetTransition<N>> transition;  // per facet; not exact yet
-  std::vector<char> ambiguous;          // per facet: the image of the face is too thin to tell the rotation
-  std::vector<BoundaryPlane> boundary;  // per facet, meaningful where the twin is -1
-  std::vector<int> impossible;          // interior facets that no grid symmetry carries across
-  std::vector<int> unaligned;           // boundary facets on no integer plane
+  std::vector<BoundaryPlane> boundary;         // per facet, meaningful where the twin is -1
+  std::vector<int> impossible;                 // interior facets that no grid symmetry carries across
+  std::vector<int> unaligned;                  // boundary facets on no integer plane
 };
 
 namespace detail {
@@ -56,15 +55,41 @@ double largest_entry(const std::array<double, Size>& x) {
   return largest;
 }
 
-// The largest |R (edge of a) - (edge of b)| over the edges from the first corner.
-template <int N>
-double rotation_residual(const Rotation<N>& R, const FacetParameters<N>& a, const FacetParameters<N>& b) {
-  double residual = 0.0;
-  for (std::size_t k = 1; k < N; ++k) {
-    residual =
-        std::max(residual, largest_entry(difference(R(difference(a[k], a[0])), difference(b[k], b[0]))));
+// Per rotation R of the grid the largest |R (edge of a) - (edge of b)| over the edges from the first corner.
+inline std::array<double, 4> rotation_residuals(const FacetParameters<2>& a, const FacetParameters<2>& b) {
+  std::array<double, 4> residuals{};
+  for (int r = 0; r < 4; ++r) {
+    residuals[static_cast<std::size_t>(r)] =
+        largest_entry(difference(QuarterTurn(r)(difference(a[1], a[0])), difference(b[1], b[0])));
   }
-  return residual;
+  return residuals;
+}
+
+// A rotation is a signed permutation, so its residual is the largest of three out of 18 misfits.
+inline std::array<double, 24> rotation_residuals(const FacetParameters<3>& a, const FacetParameters<3>& b) {
+  std::array<std::array<std::array<double, 2>, 3>, 3> misfit{};  // by row, axis and sign
+  for (std::size_t k = 1; k < 3; ++k) {
+    const RealPoint<3> from = difference(a[k], a[0]);
+    const RealPoint<3> to = difference(b[k], b[0]);
+    for (std::size_t row = 0; row < 3; ++row) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        std::array<double, 2>& entry = misfit[row][axis];
+        entry = {std::max(entry[0], std::abs(from[axis] - to[row])),
+                 std::max(entry[1], std::abs(-from[axis] - to[row]))};
+      }
+    }
+  }
+  std::array<double, 24> residuals{};
+  for (int r = 0; r < 24; ++r) {
+    const OctahedralRotation R(r);
+    for (int row = 0; row < 3; ++row) {
+      const std::array<double, 2>& entry =
+          misfit[static_cast<std::size_t>(row)][static_cast<std::size_t>(R.axis(row))];
+      double& residual = residuals[static_cast<std::size_t>(r)];
+      residual = std::max(residual, entry[R.sign(row) > 0 ? 0 : 1]);
+    }
+  }
+  return residuals;
 }
 
 template <int N>
@@ -92,11 +117,11 @@ void measure_translation(const FacetParameters<N>& a, const FacetParameters<N>& 
 }
 
 template <int N>
-TransitionChoice<N> fitted_transition(const FacetParameters<N>& a, const FacetParameters<N>& b,
-                                      Rotation<N> rotation) {
+TransitionChoice<N> fitted_transition(const FacetParameters<N>& a, const FacetParameters<N>& b, int rotation,
+                                      double residual) {
   TransitionChoice<N> choice;
-  choice.rotation = rotation;
-  choice.residual = rotation_residual<N>(rotation, a, b);
+  choice.rotation = Rotation<N>(rotation);
+  choice.residual = residual;
   measure_translation<N>(a, b, choice);
   return choice;
 }
@@ -105,19 +130,15 @@ TransitionChoice<N> fitted_transition(const FacetParameters<N>& a, const FacetPa
 // translation counts, the identity before all others.
 template <int N>
 TransitionChoice<N> best_transition(const FacetParameters<N>& a, const FacetParameters<N>& b) {
-  std::array<double, Dimension<N>::rotations> residual{};
-  for (std::size_t r = 0; r < residual.size(); ++r) {
-    residual[r] = rotation_residual<N>(Rotation<N>(static_cast<int>(r)), a, b);
-  }
-  const auto best = std::min_element(residual.begin(), residual.end());
+  const std::array<double, Dimension<N>::rotations> residuals = rotation_residuals(a, b);
+  const auto best = std::min_element(residuals.begin(), residuals.end());
   const double close = std::max(4.0 * *best, 1e-9);
   const bool ambiguous =
-      std::count_if(residual.begin(), residual.end(), [&](double x) { return x <= close; }) > 1;
-  TransitionChoice<N> choice =
-      fitted_transition<N>(a, b, Rotation<N>(static_cast<int>(best - residual.begin())));
-  for (std::size_t r = 0; r < residual.size() && ambiguous; ++r) {
-    if (residual[r] > close) continue;
-    choice = fitted_transition<N>(a, b, Rotation<N>(static_cast<int>(r)));
+      std::count_if(residuals.begin(), residuals.end(), [&](double x) { return x <= close; }) > 1;
+  TransitionChoice<N> choice = fitted_transition<N>(a, b, static_cast<int>(best - residuals.begin()), *best);
+  for (std::size_t r = 0; r < residuals.size() && ambiguous; ++r) {
+    if (residuals[r] > close) continue;
+    choice = fitted_transition<N>(a, b, static_cast<int>(r), residuals[r]);
     if (choice.integral) break;
   }
   choice.ambiguous = ambiguous;

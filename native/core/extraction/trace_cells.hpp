@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/extraction/corner_planes.hpp"
 #include "core/extraction/diagonal_walk.hpp"
 #include "core/extraction/interior_points.hpp"
 #include "core/extraction/lattice_points.hpp"
@@ -69,23 +70,22 @@ class CellTracer {
     const LatticeBox<N> box = lattice_box(map_, t, half);
     if (box.empty() || map_.orientation[static_cast<std::size_t>(t)] == 0) return;
     const SimplexPlanes<N> planes(map_, t);
+    const CornerPlanes<N> corners(planes, half);
     for_each_lattice_point(map_, planes, box, half, [&](const FixedPoint<N>& p, const FacetSigns<N>& signs) {
-      add_cell(t, p, signs, planes);
+      add_cell(t, p, signs, corners);
     });
   }
 
  private:
-  void add_cell(int t, const FixedPoint<N>& p, const FacetSigns<N>& signs, const SimplexPlanes<N>& planes) {
+  void add_cell(int t, const FixedPoint<N>& p, const FacetSigns<N>& signs, const CornerPlanes<N>& corners) {
     const int number = static_cast<int>(out_.cells.size());
     Cell<N> cell{t, p, {}, map_.orientation[static_cast<std::size_t>(t)], {}};
     if (!all_positive(signs)) {
       if (!owns_tie(t, p, signs, cell)) return;
       out_.centres.push_back({number, search_.key_of(t, p, signs)});
     }
-    for (int corner = 0; corner < cell_corners<N>; ++corner) {
-      int& code = cell.corners[static_cast<std::size_t>(corner)];
-      code = cell.sign == 0 ? failed_corner(WalkEnd::returned) : trace_corner(number, cell, corner, planes);
-    }
+    cell.corners.fill(failed_corner(WalkEnd::returned));
+    if (cell.sign != 0) trace_corners(number, corners, cell);
     out_.cells.push_back(cell);
   }
 
@@ -107,19 +107,30 @@ class CellTracer {
     return perturbed_inside(map_, t, p, signs, cell.frame);
   }
 
-  int trace_corner(int number, const Cell<N>& cell, int corner, const SimplexPlanes<N>& planes) {
+  void trace_corners(int number, const CornerPlanes<N>& planes, Cell<N>& cell) {
+    const RealPoint<N + 1> values = planes.values(cell.centre);
+    for (int corner = 0; corner < cell_corners<N>; ++corner) {
+      const CertainSides<N> sides = planes.sides(values, corner);
+      int& code = cell.corners[static_cast<std::size_t>(corner)];
+      if (sides.all_inside()) {
+        code = points_.number(cell.simplex, corner_point(cell, corner));
+        continue;
+      }
+      const WalkResult<N> walk =
+          walk_diagonal(map_, cell.simplex, cell.centre, corner, cell.frame, sides.only_exit());
+      code = walk.end == WalkEnd::reached ? vertex_at(number, corner, walk) : failed_corner(walk.end);
+    }
+  }
+
+  FixedPoint<N> corner_point(const Cell<N>& cell, int corner) const {
     FixedPoint<N> q = cell.centre;
     const std::array<int, N> s = diagonal<N>(corner);
     for (std::size_t i = 0; i < N; ++i) q[i] += s[i] * (map_.one() / 2);
-    bool inside = true;
-    for (std::size_t facet = 0; facet <= N; ++facet)
-      inside = inside && planes.value(facet, q) > planes.error();
-    if (inside) return points_.number(cell.simplex, q);
-    const WalkResult<N> walk = walk_diagonal(map_, cell.simplex, cell.centre, corner, cell.frame);
-    return walk.end == WalkEnd::reached ? vertex_at(number, corner, walk) : failed_corner(walk.end);
+    return q;
   }
 
   int vertex_at(int number, int corner, const WalkResult<N>& walk) {
+    if (walk.inside) return points_.number(walk.simplex, walk.point);
     const FacetSigns<N> signs = exact_facet_signs(map_, walk.simplex, walk.point);
     if (all_positive(signs)) return points_.number(walk.simplex, walk.point);
     out_.corners.push_back(

@@ -11,6 +11,7 @@ namespace neurframe {
 struct VertexStars {
   std::vector<int> first;    // per vertex, one more than there are vertices
   std::vector<int> corners;  // ascending around each vertex
+  std::vector<int> place;    // per corner, within the star of its vertex
 
   std::span<const int> of(std::size_t vertex) const {
     return {corners.data() + first[vertex], static_cast<std::size_t>(first[vertex + 1] - first[vertex])};
@@ -20,7 +21,8 @@ struct VertexStars {
 template <int N>
 VertexStars vertex_stars(const GridMap<N>& map) {
   constexpr std::size_t corners = N + 1;
-  VertexStars stars{std::vector<int>(map.V.size() + 1, 0), std::vector<int>(corners * map.S.size())};
+  VertexStars stars{std::vector<int>(map.V.size() + 1, 0), std::vector<int>(corners * map.S.size()),
+                    std::vector<int>(corners * map.S.size())};
   for (const Simplex<N>& simplex : map.S) {
     for (const int v : simplex) ++stars.first[static_cast<std::size_t>(v) + 1];
   }
@@ -28,7 +30,9 @@ VertexStars vertex_stars(const GridMap<N>& map) {
   std::vector<int> cursor(stars.first.begin(), stars.first.end() - 1);
   for (std::size_t t = 0; t < map.S.size(); ++t) {
     for (std::size_t i = 0; i < corners; ++i) {
-      int& at = cursor[static_cast<std::size_t>(map.S[t][i])];
+      const auto v = static_cast<std::size_t>(map.S[t][i]);
+      int& at = cursor[v];
+      stars.place[corners * t + i] = at - stars.first[v];
       stars.corners[static_cast<std::size_t>(at++)] = static_cast<int>(corners * t + i);
     }
   }
