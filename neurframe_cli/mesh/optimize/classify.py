@@ -12,11 +12,9 @@ from neurframe_cli.mesh.optimize.feature_curves import FeatureCurves, feature_cu
 from neurframe_cli.mesh.optimize.match_curves import MatchedFeatures, match_features
 from neurframe_cli.mesh.optimize.patches import Patches, pair_patches
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
-from neurframe_cli.mesh.optimize.straight_corners import straight_corners
 from neurframe_cli.mesh.quality.polygons import unique_edges
 
 FARTHEST = 0.75  # edge lengths between a boundary vertex and the surface; what is farther belongs to a void
-WHOLE_SURFACE = 0  # its tree among those of the patches
 SMALLEST_GAP = 0.1  # share of the mean gap that neighbours on a curve are left
 
 
@@ -45,20 +43,16 @@ class Classified:
     found: Classification
 
 
-def classify(
-    X: Floats, faces: Ints, surface: Surface, features: Features, voids: bool, bend: bool = False
-) -> Classified:
+def classify(X: Floats, faces: Ints, surface: Surface, features: Features, voids: bool) -> Classified:
     """Constraints of vertices X (n,3); faces (f,4) are the quads, or the boundary quads of a hex mesh.
 
     Vertices of matched corners are pinned to them unless these are loose ends of a curve, those on matched curves
     slide on these, other vertices of `faces` slide on the part of the surface that the matched curves cut out and
-    their part of the mesh lies on; the rest is free.  bend: vertices of quads that a curve would pull straight slide
-    on all of the surface.
+    their part of the mesh lies on; the rest is free.
     """
     curves = feature_curves(surface, features)
     matched = match_features(surface.V, curves, X, faces)
     patches = pair_patches(X, faces, surface, curves, matched)
-    of_vertex = patches.of_vertex.copy()
     kind, pins, start = np.full(len(X), FREE, np.int64), X.copy(), X.copy()
     kind[patches.of_vertex >= 0] = ON_SURFACE
     edges, use = unique_edges(faces)
@@ -71,16 +65,12 @@ def classify(
         start[found.path] = _in_order(points, X[found.path], found.whole)
         kind[found.path] = ON_CURVE
         tracks.append(Track(curve_tree(points), found.path))
-    if bend:
-        inner = [m.path for m in matched.curves if not curves.on_boundary[m.curve]]
-        released = straight_corners(start, faces, inner)
-        kind[released], of_vertex[released] = ON_SURFACE, WHOLE_SURFACE
     held = ~_loose_ends(curves)[matched.corners[:, 0]]
     kind[matched.corners[held, 1]] = PINNED
     pins[matched.corners[:, 1]] = surface.V[curves.corners[matched.corners[:, 0]]]
     tracks = [Track(t.tree, np.unique(t.vertices[kind[t.vertices] == ON_CURVE])) for t in tracks]
     for t, tree in enumerate(patches.trees):
-        tracks.append(Track(tree, np.flatnonzero((of_vertex == t) & (kind == ON_SURFACE))))
+        tracks.append(Track(tree, np.flatnonzero((patches.of_vertex == t) & (kind == ON_SURFACE))))
     constraints = Constraints(kind, pins, [t for t in tracks if len(t.vertices)])
     return Classified(constraints, patches, start, _counts(curves, matched, kind, off))
 
