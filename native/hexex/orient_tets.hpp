@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/fixed_point.hpp"
 #include "core/hex_map_io.hpp"
 #include "core/tet_mesh.hpp"
 
@@ -29,39 +30,75 @@ inline void swap_corners(HexMap& map, std::size_t t) {
 }
 
 inline double parametric_volume6(const std::array<Point3, 4>& P) {
-  return signed_volume6({{P[0], P[1], P[2], P[3]}, {{0, 1, 2, 3}}}, 0);
+  const Point3 a = difference(P[1], P[0]);
+  const Point3 b = difference(P[2], P[0]);
+  const Point3 c = difference(P[3], P[0]);
+  return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+         a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-// The tets connected to `seed` and whether each has to be turned to agree with it.
-inline std::vector<std::size_t> component_of(const HexMap& map, const std::vector<int>& twin,
-                                             std::size_t seed, std::vector<signed char>& turn) {
-  std::vector<std::size_t> members{seed};
-  turn[seed] = 0;
-  for (std::size_t next = 0; next < members.size(); ++next) {
-    const std::size_t t = members[next];
-    for (std::size_t i = 0; i < 4; ++i) {
-      const int half_face = static_cast<int>(4 * t + i);
-      if (twin[4 * t + i] < 0) continue;
-      const auto s = static_cast<std::size_t>(twin[4 * t + i] / 4);
-      const bool coherent = is_coherently_oriented(map.mesh.T, twin, half_face);
-      const auto wanted = static_cast<signed char>(coherent ? turn[t] : 1 - turn[t]);
-      if (turn[s] < 0) {
-        turn[s] = wanted;
-        members.push_back(s);
-      } else if (turn[s] != wanted) {
-        throw InputError("tets " + std::to_string(t) + " and " + std::to_string(s) +
-                         ": the tet mesh is not orientable");
-      }
-    }
+// Connected components of the tets, and whether each tet has to be turned to agree with the first of its own.
+struct Components {
+  std::vector<int> of;     // per tet
+  std::vector<char> turn;  // per tet
+  std::size_t count = 0;
+};
+
+[[noreturn]] inline void refuse_orientation(int t, int s) {
+  throw InputError("tets " + std::to_string(t) + " and " + std::to_string(s) +
+                   ": the tet mesh is not orientable");
+}
+
+// Visits the neighbours of tet t.  A face between visited tets is checked from its first side only.
+inline void visit_neighbours(const HexMap& map, const std::vector<int>& twin, int t, Components& found,
+                             std::vector<int>& queue) {
+  for (int h = 4 * t; h < 4 * t + 4; ++h) {
+    const int across = twin[static_cast<std::size_t>(h)];
+    if (across < 0) continue;
+    const int s = across / 4;
+    const bool visited = found.of[static_cast<std::size_t>(s)] >= 0;
+    if (visited && across < h) continue;
+    const bool coherent = is_coherently_oriented(map.mesh.T, twin, h);
+    const bool wanted = coherent == (found.turn[static_cast<std::size_t>(t)] != 0);
+    char& turn = found.turn[static_cast<std::size_t>(s)];
+    if (visited && (turn != 0) != wanted) refuse_orientation(t, s);
+    turn = wanted ? 1 : 0;
+    if (visited) continue;
+    found.of[static_cast<std::size_t>(s)] = found.of[static_cast<std::size_t>(t)];
+    queue.push_back(s);
   }
-  return members;
 }
 
-inline double total(const std::vector<std::size_t>& members, const std::vector<signed char>& turn,
-                    auto volume6) {
-  double sum = 0.0;
-  for (const std::size_t t : members) sum += turn[t] != 0 ? -volume6(t) : volume6(t);
-  return sum;
+inline Components find_components(const HexMap& map, const std::vector<int>& twin) {
+  const std::size_t tets = map.mesh.T.size();
+  Components found{std::vector<int>(tets, -1), std::vector<char>(tets, 0), 0};
+  std::vector<int> queue;
+  for (std::size_t seed = 0; seed < tets; ++seed) {
+    if (found.of[seed] >= 0) continue;
+    found.of[seed] = static_cast<int>(found.count++);
+    queue.assign(1, static_cast<int>(seed));
+    for (std::size_t next = 0; next < queue.size(); ++next)
+      visit_neighbours(map, twin, queue[next], found, queue);
+  }
+  return found;
+}
+
+struct ComponentVolume {
+  double space = 0.0;
+  double parametric = 0.0;
+
+  bool mirrored() const { return (space < 0.0) != (parametric < 0.0) && parametric != 0.0; }
+};
+
+inline std::vector<ComponentVolume> component_volumes(const HexMap& map, const Components& components) {
+  std::vector<ComponentVolume> volumes(components.count);
+  for (std::size_t t = 0; t < map.mesh.T.size(); ++t) {
+    const double sign = components.turn[t] != 0 ? -1.0 : 1.0;
+    ComponentVolume& volume = volumes[static_cast<std::size_t>(components.of[t])];
+    volume.space += sign * signed_volume6(map.mesh, t);
+    volume.parametric += sign * parametric_volume6(map.parameters[t]);
+  }
+  return volumes;
 }
 
 // The half-faces opposite corners 2 and 3 of turned tets change places.
@@ -80,26 +117,19 @@ inline void renumber_twins(const std::vector<char>& turned, std::vector<int>& tw
 // Turns tets (and mirrors left-handed maps) in place, and renumbers the twins with them.  Raises InputError
 // when the mesh is not orientable.
 inline OrientationReport orient_tets(HexMap& map, std::vector<int>& twin) {
+  const detail::Components components = detail::find_components(map, twin);
+  const std::vector<detail::ComponentVolume> volumes = detail::component_volumes(map, components);
   OrientationReport report;
-  std::vector<signed char> turn(map.mesh.T.size(), -1);
+  for (const detail::ComponentVolume& volume : volumes)
+    report.mirrored_components += volume.mirrored() ? 1 : 0;
   report.turned.assign(map.mesh.T.size(), 0);
-  for (std::size_t seed = 0; seed < map.mesh.T.size(); ++seed) {
-    if (turn[seed] >= 0) continue;
-    const std::vector<std::size_t> members = detail::component_of(map, twin, seed, turn);
-    const double volume =
-        detail::total(members, turn, [&](std::size_t t) { return signed_volume6(map.mesh, t); });
-    const double parametric = detail::total(
-        members, turn, [&](std::size_t t) { return detail::parametric_volume6(map.parameters[t]); });
-    const bool mirrored = (volume < 0.0) != (parametric < 0.0) && parametric != 0.0;
-    report.mirrored_components += mirrored ? 1 : 0;
-    for (const std::size_t t : members) {
-      report.turned[t] = (turn[t] != 0) != (volume < 0.0) ? 1 : 0;
-      if (!mirrored) continue;
+  for (std::size_t t = 0; t < map.mesh.T.size(); ++t) {
+    const detail::ComponentVolume& volume = volumes[static_cast<std::size_t>(components.of[t])];
+    if (volume.mirrored()) {
       for (Point3& u : map.parameters[t]) u[0] = -u[0];
     }
-  }
-  for (std::size_t t = 0; t < map.mesh.T.size(); ++t) {
-    if (report.turned[t] == 0) continue;
+    if ((components.turn[t] != 0) == (volume.space < 0.0)) continue;
+    report.turned[t] = 1;
     ++report.turned_tets;
     detail::swap_corners(map, t);
   }

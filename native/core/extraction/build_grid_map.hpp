@@ -76,7 +76,7 @@ void refuse_impossible_facets(const GridMap<N>& map, const RealParameters<N>& re
   const int t = h / (N + 1);
   const int s = map.twin[static_cast<std::size_t>(h)] / (N + 1);
   const auto choice =
-      detail::best_transition<N>(detail::seen_from(map, real, h, t), detail::seen_from(map, real, h, s));
+      detail::best_transition(detail::seen_from(map, real, h, t), detail::seen_from(map, real, h, s));
   const std::string what =
       choice.residual > map_tolerance
           ? "no rotation of the grid carries one image to the other (off by " +

@@ -100,7 +100,7 @@ class InteriorPoints {
 
   void add_simplex(int t, std::vector<Column>& out) {
     const LatticeBox<N> box = lattice_box(*map_, t, 0);
-    if (box.empty() || map_->orientation[static_cast<std::size_t>(t)] == 0) return;
+    if (map_->orientation[static_cast<std::size_t>(t)] == 0 || certainly_outside(*map_, t, box, 0)) return;
     ColumnBox& columns = boxes_[static_cast<std::size_t>(t)];
     for (std::size_t k = 0; k + 1 < N; ++k) {
       columns.low[k] = static_cast<std::int32_t>(box.low[k]);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 
+#include "core/extraction/certain_sides.hpp"
 #include "core/extraction/lattice_columns.hpp"
 #include "core/extraction/simplex_planes.hpp"
 
@@ -30,6 +31,28 @@ LatticeBox<N> lattice_box(const GridMap<N>& map, int t, Fixed shift) {
     box.high[k] = (high[k] - shift) >> map.fraction_bits;
   }
   return box;
+}
+
+// True for a box without lattice points, or with few, all certainly outside of simplex t (not flat).  Where
+// tets are smaller than cells that is the common case, and much cheaper to see than planes are to set up.
+template <int N>
+bool certainly_outside(const GridMap<N>& map, int t, const LatticeBox<N>& box, Fixed shift) {
+  if (box.empty()) return true;
+  constexpr std::int64_t few = 4;
+  std::int64_t points = 1;
+  for (std::size_t k = 0; k < N && points <= few; ++k) points *= box.high[k] - box.low[k] + 1;
+  if (points > few) return false;
+  for (std::int64_t i = 0; i < points; ++i) {
+    LatticeIndex<N> index{};
+    std::int64_t rest = i;
+    for (std::size_t k = 0; k < N; ++k) {
+      const std::int64_t size = box.high[k] - box.low[k] + 1;
+      index[k] = box.low[k] + rest % size;
+      rest /= size;
+    }
+    if (certain_sides(map, t, lattice_point<N>(index, map.one(), shift)).outside == 0) return false;
+  }
+  return true;
 }
 
 // The number of columns over the boxes of all simplices that are not flat; a double, because it may be huge.

@@ -35,13 +35,14 @@ class StarWalker {
  public:
   StarWalker(const GridMap<N>& map, const VertexStars& stars, const RecoveredTransitions<N>& found,
              const RealParameters<N>& real)
-      : map_(map), stars_(stars), found_(found), real_(real) {}
+      : map_(map), stars_(stars), found_(found), real_(real), one_(static_cast<double>(map.one())) {}
 
   // Sets the parameters of all corners around a vertex; returns the largest move, or -1 on a contradiction.
   double settle(std::size_t vertex, std::vector<std::array<FixedPoint<N>, N + 1>>& P) {
     star_ = stars_.of(vertex);
     visited_.assign(star_.size(), 0);
     from_master_.resize(star_.size());
+    find_neighbours();
     waiting_ = star_.size();
     double move = 0.0;
     bool consistent = true;
@@ -55,6 +56,26 @@ class StarWalker {
   }
 
  private:
+  // The places behind the facets of every corner: on_boundary where there is none, no_facet for the facet
+  // opposite to the corner.
+  void find_neighbours() {
+    neighbours_.resize(star_.size());
+    for (std::size_t place = 0; place < star_.size(); ++place) {
+      const int corner = star_[place];
+      for (int i = 0; i <= N; ++i) {
+        const int h = facet(place, i);
+        const int across = map_.twin[static_cast<std::size_t>(h)];
+        int& neighbour = neighbours_[place][static_cast<std::size_t>(i)];
+        neighbour = on_boundary;
+        if (is_opposite(h, corner)) {
+          neighbour = no_facet;
+        } else if (across >= 0) {
+          neighbour = place_across(corner, across);
+        }
+      }
+    }
+  }
+
   // Breadth first, through faces with a certain rotation while there are any, then through ambiguous ones.
   void collect_sheet(std::size_t first) {
     sheet_.clear();
@@ -76,17 +97,16 @@ class StarWalker {
   }
 
   void visit_neighbours(std::size_t place, bool ambiguous) {
-    const int corner = star_[place];
     for (int i = 0; i <= N; ++i) {
-      const int h = corner - corner % (N + 1) + i;
-      const int across = map_.twin[static_cast<std::size_t>(h)];
-      if (is_opposite(h, corner) || across < 0 ||
-          found_.transition[static_cast<std::size_t>(h)].ambiguous != ambiguous)
-        continue;
-      const std::size_t next = place_across(corner, across);
-      if (visited_[next] == 0) visit(next, transition(h) * from_master_[place]);
+      const int next = neighbours_[place][static_cast<std::size_t>(i)];
+      if (next < 0 || visited_[static_cast<std::size_t>(next)] != 0) continue;
+      const int h = facet(place, i);
+      if (found_.transition[static_cast<std::size_t>(h)].ambiguous == ambiguous)
+        visit(static_cast<std::size_t>(next), transition(h) * from_master_[place]);
     }
   }
+
+  int facet(std::size_t place, int i) const { return star_[place] - star_[place] % (N + 1) + i; }
 
   // True when the facet is the one opposite to the corner, in one simplex.
   static bool is_opposite(int facet, int corner) {
@@ -94,12 +114,12 @@ class StarWalker {
   }
 
   // The same vertex in the simplex behind a facet.
-  std::size_t place_across(int corner, int across) const {
+  int place_across(int corner, int across) const {
     const auto t = static_cast<std::size_t>(corner / (N + 1));
     const int vertex = map_.S[t][static_cast<std::size_t>(corner % (N + 1))];
     const int behind = across / (N + 1);
     const int other = (N + 1) * behind + corner_at(map_.S[static_cast<std::size_t>(behind)], vertex);
-    return static_cast<std::size_t>(stars_.place[static_cast<std::size_t>(other)]);
+    return stars_.place[static_cast<std::size_t>(other)];
   }
 
   GridTransition<N> transition(int h) const {
@@ -115,7 +135,7 @@ class StarWalker {
       const int corner = star_[place];
       const FixedPoint<N> value = from_master_[place](master, map_.one());
       for (const Fixed d : difference(value, rounded(corner))) {
-        move = std::max(move, std::abs(from_fixed(d, map_.fraction_bits)));
+        move = std::max(move, std::abs(static_cast<double>(d)) / one_);
       }
       P[static_cast<std::size_t>(corner / (N + 1))][static_cast<std::size_t>(corner % (N + 1))] = value;
     }
@@ -123,16 +143,15 @@ class StarWalker {
   }
 
   bool add_conditions(std::size_t place, FixedSpace<N>& space) const {
-    const int corner = star_[place];
     bool consistent = true;
     for (int i = 0; i <= N; ++i) {
-      const int h = corner - corner % (N + 1) + i;
-      if (is_opposite(h, corner)) continue;
-      const int across = map_.twin[static_cast<std::size_t>(h)];
-      if (across < 0) {
+      const int other = neighbours_[place][static_cast<std::size_t>(i)];
+      const int h = facet(place, i);
+      if (other == on_boundary) {
         consistent = add_boundary_plane(h, from_master_[place].inverse(), space) && consistent;
-      } else if (across > h && !found_.transition[static_cast<std::size_t>(h)].ambiguous) {
-        consistent = add_loop(place, h, place_across(corner, across), space) && consistent;
+      } else if (other != no_facet && map_.twin[static_cast<std::size_t>(h)] > h &&
+                 !found_.transition[static_cast<std::size_t>(h)].ambiguous) {
+        consistent = add_loop(place, h, static_cast<std::size_t>(other), space) && consistent;
       }
     }
     return consistent;
@@ -163,20 +182,32 @@ class StarWalker {
     const auto& corners = real_[static_cast<std::size_t>(corner / (N + 1))];
     FixedPoint<N> lattice{};
     for (std::size_t k = 0; k < N; ++k) {
-      lattice[k] = to_fixed(corners[static_cast<std::size_t>(corner % (N + 1))][k], map_.fraction_bits);
+      lattice[k] = nearest(corners[static_cast<std::size_t>(corner % (N + 1))][k] * one_);
     }
     return lattice;
   }
+
+  // std::llround for |x| < 2^52, without the call.
+  static Fixed nearest(double x) {
+    const auto whole = static_cast<Fixed>(x);
+    const double rest = x - static_cast<double>(whole);
+    return whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
+  }
+
+  static constexpr int on_boundary = -1;
+  static constexpr int no_facet = -2;
 
   const GridMap<N>& map_;
   const VertexStars& stars_;
   const RecoveredTransitions<N>& found_;
   const RealParameters<N>& real_;
+  double one_;
   std::span<const int> star_;
-  std::vector<char> visited_;                   // per place
-  std::vector<GridTransition<N>> from_master_;  // per place
-  std::size_t waiting_ = 0;                     // places not visited yet
-  std::vector<std::size_t> sheet_;              // places in the order of the visits, the master first
+  std::vector<std::array<int, N + 1>> neighbours_;  // per place and facet
+  std::vector<char> visited_;                       // per place
+  std::vector<GridTransition<N>> from_master_;      // per place
+  std::size_t waiting_ = 0;                         // places not visited yet
+  std::vector<std::size_t> sheet_;                  // places in the order of the visits, the master first
 };
 
 // True when the transition across facet h maps the corners of the facet exactly.

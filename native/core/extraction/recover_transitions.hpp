@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "core/extraction/grid_map.hpp"
@@ -65,28 +66,34 @@ inline std::array<double, 4> rotation_residuals(const FacetParameters<2>& a, con
   return residuals;
 }
 
-// A rotation is a signed permutation, so its residual is the largest of three out of 18 misfits.
-inline std::array<double, 24> rotation_residuals(const FacetParameters<3>& a, const FacetParameters<3>& b) {
-  std::array<std::array<std::array<double, 2>, 3>, 3> misfit{};  // by row, axis and sign
+// A rotation is a signed permutation, so its residual is the largest of three out of 18 misfits: by row and,
+// in each, 2 axis + (1 where the sign is negative).
+using RowMisfits = std::array<std::array<double, 6>, 3>;
+
+inline RowMisfits row_misfits(const FacetParameters<3>& a, const FacetParameters<3>& b) {
+  RowMisfits misfits{};
   for (std::size_t k = 1; k < 3; ++k) {
     const RealPoint<3> from = difference(a[k], a[0]);
     const RealPoint<3> to = difference(b[k], b[0]);
     for (std::size_t row = 0; row < 3; ++row) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        std::array<double, 2>& entry = misfit[row][axis];
-        entry = {std::max(entry[0], std::abs(from[axis] - to[row])),
-                 std::max(entry[1], std::abs(-from[axis] - to[row]))};
+        double* const pair = &misfits[row][2 * axis];
+        pair[0] = std::max(pair[0], std::abs(from[axis] - to[row]));
+        pair[1] = std::max(pair[1], std::abs(-from[axis] - to[row]));
       }
     }
   }
+  return misfits;
+}
+
+inline std::array<double, 24> rotation_residuals(const RowMisfits& misfits) {
   std::array<double, 24> residuals{};
   for (int r = 0; r < 24; ++r) {
     const OctahedralRotation R(r);
     for (int row = 0; row < 3; ++row) {
-      const std::array<double, 2>& entry =
-          misfit[static_cast<std::size_t>(row)][static_cast<std::size_t>(R.axis(row))];
+      const int entry = 2 * R.axis(row) + (R.sign(row) < 0 ? 1 : 0);
       double& residual = residuals[static_cast<std::size_t>(r)];
-      residual = std::max(residual, entry[R.sign(row) > 0 ? 0 : 1]);
+      residual = std::max(residual, misfits[static_cast<std::size_t>(row)][static_cast<std::size_t>(entry)]);
     }
   }
   return residuals;
@@ -126,13 +133,18 @@ TransitionChoice<N> fitted_transition(const FacetParameters<N>& a, const FacetPa
   return choice;
 }
 
-// The grid symmetry that carries a to b best.  Of several that do (a thin facet) the first with an integer
-// translation counts, the identity before all others.
+// How far from the best residual another rotation still counts as fitting.
+inline double close_residual(double best) {
+  return std::max(4.0 * best, 1e-9);
+}
+
+// Of several rotations that fit (a thin facet) the first with an integer translation counts, the identity
+// before all others.
 template <int N>
-TransitionChoice<N> best_transition(const FacetParameters<N>& a, const FacetParameters<N>& b) {
-  const std::array<double, Dimension<N>::rotations> residuals = rotation_residuals(a, b);
+TransitionChoice<N> best_of(const std::array<double, Dimension<N>::rotations>& residuals,
+                            const FacetParameters<N>& a, const FacetParameters<N>& b) {
   const auto best = std::min_element(residuals.begin(), residuals.end());
-  const double close = std::max(4.0 * *best, 1e-9);
+  const double close = close_residual(*best);
   const bool ambiguous =
       std::count_if(residuals.begin(), residuals.end(), [&](double x) { return x <= close; }) > 1;
   TransitionChoice<N> choice = fitted_transition<N>(a, b, static_cast<int>(best - residuals.begin()), *best);
@@ -143,6 +155,50 @@ TransitionChoice<N> best_transition(const FacetParameters<N>& a, const FacetPara
   }
   choice.ambiguous = ambiguous;
   return choice;
+}
+
+// By the entry of each row of a signed permutation (see RowMisfits): its number, or 255 for no rotation.
+constexpr std::array<std::uint8_t, 216> rotations_by_rows() {
+  std::array<std::uint8_t, 216> table{};
+  table.fill(255);
+  for (int r = 0; r < 24; ++r) {
+    const OctahedralRotation R(r);
+    int key = 0;
+    for (int row = 0; row < 3; ++row) key = 6 * key + 2 * R.axis(row) + (R.sign(row) < 0 ? 1 : 0);
+    table[static_cast<std::size_t>(key)] = static_cast<std::uint8_t>(r);
+  }
+  return table;
+}
+
+// The rotation of which every row fits far better than any other row could; -1 where there is none such.  It
+// is the best one, and no other fits as well.
+inline int unrivalled_rotation(const RowMisfits& misfits, double& residual) {
+  static constexpr std::array<std::uint8_t, 216> numbers = rotations_by_rows();
+  std::size_t key = 0;
+  double second = INFINITY;
+  residual = 0.0;
+  for (const std::array<double, 6>& row : misfits) {
+    const auto best = std::min_element(row.begin(), row.end());
+    for (auto other = row.begin(); other != row.end(); ++other) {
+      if (other != best) second = std::min(second, *other);
+    }
+    residual = std::max(residual, *best);
+    key = 6 * key + static_cast<std::size_t>(best - row.begin());
+  }
+  return numbers[key] < 24 && second > close_residual(residual) ? numbers[key] : -1;
+}
+
+// The grid symmetry that carries a to b best.
+inline TransitionChoice<2> best_transition(const FacetParameters<2>& a, const FacetParameters<2>& b) {
+  return best_of<2>(rotation_residuals(a, b), a, b);
+}
+
+inline TransitionChoice<3> best_transition(const FacetParameters<3>& a, const FacetParameters<3>& b) {
+  const RowMisfits misfits = row_misfits(a, b);
+  double residual = 0.0;
+  const int rotation = unrivalled_rotation(misfits, residual);
+  return rotation >= 0 ? fitted_transition<3>(a, b, rotation, residual)
+                       : best_of<3>(rotation_residuals(misfits), a, b);
 }
 
 inline RealPoint<3> real_normal(const FacetParameters<3>& x) {
@@ -212,7 +268,7 @@ RecoveredTransitions<N> recover_transitions(const GridMap<N>& map, const RealPar
         for (int h = static_cast<int>(begin); h < end; ++h) {
           const int other = map.twin[static_cast<std::size_t>(h)];
           if (other < h) continue;
-          const detail::TransitionChoice<N> choice = detail::best_transition<N>(
+          const detail::TransitionChoice<N> choice = detail::best_transition(
               detail::seen_from(map, real, h, h / (N + 1)), detail::seen_from(map, real, h, other / (N + 1)));
           if (!is_possible(choice)) bad.push_back(h);
           if (is_possible(choice)) detail::set_transitions<N>(map.twin, h, choice, found.transition);

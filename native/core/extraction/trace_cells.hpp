@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -68,11 +69,12 @@ class CellTracer {
   void trace_simplex(int t) {
     const Fixed half = map_.one() / 2;
     const LatticeBox<N> box = lattice_box(map_, t, half);
-    if (box.empty() || map_.orientation[static_cast<std::size_t>(t)] == 0) return;
+    if (map_.orientation[static_cast<std::size_t>(t)] == 0 || certainly_outside(map_, t, box, half)) return;
     const SimplexPlanes<N> planes(map_, t);
-    const CornerPlanes<N> corners(planes, half);
+    std::optional<CornerPlanes<N>> corners;
     for_each_lattice_point(map_, planes, box, half, [&](const FixedPoint<N>& p, const FacetSigns<N>& signs) {
-      add_cell(t, p, signs, corners);
+      if (!corners) corners.emplace(planes, half);
+      add_cell(t, p, signs, *corners);
     });
   }
 

@@ -7,6 +7,7 @@
 #include "core/extraction/facet_prints.hpp"
 #include "core/extraction/lattice_points.hpp"
 #include "core/extraction/locate_points.hpp"
+#include "core/extraction/recover_transitions.hpp"
 #include "core/testing.hpp"
 
 using namespace neurframe;
@@ -103,6 +104,35 @@ static void test_location(std::mt19937_64& random) {
   }
 }
 
+// Facets as two charts see them, thick and thin, exact and not: the short cut chooses as the search does.
+static void test_transitions(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> uniform(-4.0, 4.0);
+  int unrivalled = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    detail::FacetParameters<3> a;
+    for (RealPoint<3>& u : a) u = {uniform(random), uniform(random), uniform(random)};
+    if (trial % 3 == 0) a[1] = {a[0][0] + 1.0, a[0][1], a[0][2]};
+    if (trial % 5 == 0) a[2] = a[trial % 2 == 0 ? 0 : 1];
+    const double noise = std::array<double, 3>{0.0, 1e-5, 0.3}[static_cast<std::size_t>(trial % 7 % 3)];
+    detail::FacetParameters<3> b;
+    for (std::size_t k = 0; k < 3; ++k) {
+      b[k] = OctahedralRotation(trial % 24)(a[k]);
+      for (double& x : b[k]) x += 5.0 + noise * uniform(random);
+    }
+    const detail::RowMisfits misfits = detail::row_misfits(a, b);
+    const auto searched = detail::best_of<3>(detail::rotation_residuals(misfits), a, b);
+    const auto chosen = detail::best_transition(a, b);
+    CHECK(chosen.rotation == searched.rotation);
+    CHECK(chosen.residual == searched.residual);
+    CHECK(chosen.ambiguous == searched.ambiguous);
+    CHECK(chosen.translation == searched.translation);
+    double residual = 0.0;
+    unrivalled += detail::unrivalled_rotation(misfits, residual) >= 0 ? 1 : 0;
+  }
+  CHECK(unrivalled > 500);
+  CHECK(unrivalled < 2000);
+}
+
 // Two hexes side by side, and what the prints say when one of them is there twice or upside down.
 static void test_prints() {
   const CellVertices<3> left{0, 1, 4, 3, 6, 7, 10, 9};
@@ -129,6 +159,7 @@ int main() {
   test_columns<3>(random);
   test_location<2>(random);
   test_location<3>(random);
+  test_transitions(random);
   test_prints();
   return test_result();
 }
