@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "miq/carry_map.hpp"
 #include "miq/stiffening.hpp"
 
 namespace neurframe {
@@ -40,7 +41,12 @@ class IntegerGridSolver {
   }
 
  private:
+  void check(IntegerGrid& grid) const {
+    grid.fixed = fixed_point_map(problem_.variables, grid.real, grid.integer);
+    grid.check = check_map(problem_.surface, problem_.sectors, grid.fixed);
+  }
   UntangleResult untangle_and_check(IntegerGrid& grid);
+  void carry_and_check(IntegerGrid& grid, Json& statistics);
 
   // the real variables after the least deformation that takes the integers to whole numbers
   Eigen::VectorXd moved_to(const Eigen::VectorXd& whole) const {
@@ -100,16 +106,31 @@ UntangleResult IntegerGridSolver::untangle_and_check(IntegerGrid& grid) {
   UntangleOptions options;
   options.threads = options_.threads;
   const UntangleResult result = untangle(held_system_, seamless_.shapes, options, grid.real, grid.integer);
-  grid.fixed = fixed_point_map(problem_.variables, grid.real, grid.integer);
-  grid.check = check_map(problem_.surface, problem_.sectors, grid.fixed);
+  check(grid);
   return result;
+}
+
+// What the jump to the integers has wound twice has no fold to be untangled by; the seamless map is not wound
+// so, and is taken there step by step.
+void IntegerGridSolver::carry_and_check(IntegerGrid& grid, Json& statistics) {
+  UntangleOptions options;
+  options.threads = options_.threads;
+  IntegerGrid carried = grid;
+  carried.real = seamless_.real;
+  carried.integer = seamless_.integer;
+  const bool arrived = seamless_.check.valid() && carry_map(held_system_, seamless_.shapes, poisson_, options,
+                                                            grid.integer, carried.real, carried.integer);
+  statistics["arrived"] = arrived;
+  if (!arrived) return;
+  check(carried);
+  if (carried.check.defects() < grid.check.defects()) grid = std::move(carried);
 }
 
 void IntegerGridSolver::solve_map(IntegerGrid& grid, Json& statistics) {
   constexpr int kStiffeningRounds = 10;
   statistics = untangle_json(untangle_and_check(grid));
+  if (!grid.check.valid()) carry_and_check(grid, statistics["carried"]);
   if (!grid.check.valid()) {
-    // what the integers have wound twice has no fold to be untangled by; the stiffened map follows the field
     IntegerGrid again = grid;
     std::vector<double> stiffness = seamless_.stiffness;
     solve_with_stiffening(held_system_, problem_, seamless_.shapes, kStiffeningRounds, stiffness, again.real,

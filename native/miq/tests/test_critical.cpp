@@ -1,5 +1,9 @@
-// The seamless map reduced to its critical vertices, and the rows that keep these apart.
+// The seamless map reduced to its critical vertices, and the rows that keep these apart; maps carried to
+// integers.
+#include <limits>
+
 #include "core/testing.hpp"
+#include "miq/carry_map.hpp"
 #include "miq/critical_triangulation.hpp"
 #include "miq/seamless_map.hpp"
 #include "surfaces.hpp"
@@ -65,6 +69,35 @@ void test_near_rows_depend_on_scale() {
         3);
 }
 
+double least_area(const Solved& solved, const MapSystem& system, const Eigen::VectorXd& real,
+                  const Eigen::VectorXd& integer) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int f = 0; f < solved.problem.surface.triangle_count(); ++f) {
+    const Vector6 x = system.corner_parameters(f, real, integer);
+    least = std::min(least, (x[2] - x[0]) * (x[5] - x[1]) - (x[4] - x[0]) * (x[3] - x[1]));
+  }
+  return least;
+}
+
+// A cube of 8 cells an edge becomes a box of whole cells, but not one that is flat: there it stops before a
+// triangle has no area left.
+void test_a_map_is_carried_to_integers_that_leave_it_room() {
+  const Solved cube = solve(test::with_crosses(test::cube(4), test::cube_direction), 1.0 / 8);
+  const int triangles = cube.problem.surface.triangle_count();
+  MapSystem held(cube.problem.variables, triangles, false);
+  MapSystem free(cube.problem.variables, triangles, true);
+  const PoissonSystem poisson =
+      poisson_system(cube.problem.variables, free, cube.map.shapes, cube.map.stiffness);
+  for (const double share : {3.0, 0.125, 0.0}) {
+    const Eigen::VectorXd goal = (share * cube.map.integer).array().round();
+    Eigen::VectorXd real = cube.map.real, integer = cube.map.integer;
+    const bool arrived = carry_map(held, cube.map.shapes, poisson, {}, goal, real, integer);
+    CHECK(arrived == (share > 0));
+    CHECK((integer == goal) == arrived);
+    CHECK(least_area(cube, held, real, integer) > 0);
+  }
+}
+
 }  // namespace
 }  // namespace neurframe
 
@@ -72,5 +105,6 @@ int main() {
   neurframe::test_only_corners_stay();
   neurframe::test_collapse_is_found_and_prevented();
   neurframe::test_near_rows_depend_on_scale();
+  neurframe::test_a_map_is_carried_to_integers_that_leave_it_room();
   return neurframe::test_result();
 }
