@@ -37,11 +37,19 @@ inline double parametric_volume6(const std::array<Point3, 4>& P) {
          a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
+// Of a connected component, in the orientation of its first tet.
+struct ComponentVolume {
+  double space = 0.0;
+  double parametric = 0.0;
+
+  bool mirrored() const { return (space < 0.0) != (parametric < 0.0) && parametric != 0.0; }
+};
+
 // Connected components of the tets, and whether each tet has to be turned to agree with the first of its own.
 struct Components {
   std::vector<int> of;     // per tet
   std::vector<char> turn;  // per tet
-  std::size_t count = 0;
+  std::vector<ComponentVolume> volumes;
 };
 
 [[noreturn]] inline void refuse_orientation(int t, int s) {
@@ -69,36 +77,28 @@ inline void visit_neighbours(const HexMap& map, const std::vector<int>& twin, in
   }
 }
 
+inline void add_volume(const HexMap& map, std::size_t t, bool turned, ComponentVolume& volume) {
+  const double sign = turned ? -1.0 : 1.0;
+  volume.space += sign * signed_volume6(map.mesh, t);
+  volume.parametric += sign * parametric_volume6(map.parameters[t]);
+}
+
 inline Components find_components(const HexMap& map, const std::vector<int>& twin) {
   const std::size_t tets = map.mesh.T.size();
-  Components found{std::vector<int>(tets, -1), std::vector<char>(tets, 0), 0};
+  Components found{std::vector<int>(tets, -1), std::vector<char>(tets, 0), {}};
   std::vector<int> queue;
   for (std::size_t seed = 0; seed < tets; ++seed) {
     if (found.of[seed] >= 0) continue;
-    found.of[seed] = static_cast<int>(found.count++);
+    found.of[seed] = static_cast<int>(found.volumes.size());
+    ComponentVolume& volume = found.volumes.emplace_back();
     queue.assign(1, static_cast<int>(seed));
-    for (std::size_t next = 0; next < queue.size(); ++next)
+    for (std::size_t next = 0; next < queue.size(); ++next) {
+      const auto t = static_cast<std::size_t>(queue[next]);
+      add_volume(map, t, found.turn[t] != 0, volume);
       visit_neighbours(map, twin, queue[next], found, queue);
+    }
   }
   return found;
-}
-
-struct ComponentVolume {
-  double space = 0.0;
-  double parametric = 0.0;
-
-  bool mirrored() const { return (space < 0.0) != (parametric < 0.0) && parametric != 0.0; }
-};
-
-inline std::vector<ComponentVolume> component_volumes(const HexMap& map, const Components& components) {
-  std::vector<ComponentVolume> volumes(components.count);
-  for (std::size_t t = 0; t < map.mesh.T.size(); ++t) {
-    const double sign = components.turn[t] != 0 ? -1.0 : 1.0;
-    ComponentVolume& volume = volumes[static_cast<std::size_t>(components.of[t])];
-    volume.space += sign * signed_volume6(map.mesh, t);
-    volume.parametric += sign * parametric_volume6(map.parameters[t]);
-  }
-  return volumes;
 }
 
 // The half-faces opposite corners 2 and 3 of turned tets change places.
@@ -118,7 +118,7 @@ inline void renumber_twins(const std::vector<char>& turned, std::vector<int>& tw
 // when the mesh is not orientable.
 inline OrientationReport orient_tets(HexMap& map, std::vector<int>& twin) {
   const detail::Components components = detail::find_components(map, twin);
-  const std::vector<detail::ComponentVolume> volumes = detail::component_volumes(map, components);
+  const std::vector<detail::ComponentVolume>& volumes = components.volumes;
   OrientationReport report;
   for (const detail::ComponentVolume& volume : volumes)
     report.mirrored_components += volume.mirrored() ? 1 : 0;
