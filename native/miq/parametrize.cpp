@@ -64,16 +64,17 @@ struct Attempt {
   SeamlessMap seamless;
 };
 
-// What the next attempt does differently: first only the trades that make the field smoother, then none; then
-// singularities are moved farther from the features, because no map that follows the crosses has one in the
-// tip between two; then the feature lines beside the defects are left out.  False if nothing is left to try.
+// What the next attempt does differently: first only the shorter trades, then none (the long ones leave the
+// koala no map, half as long ones leave it 30 irregular vertices fewer than none); then singularities are
+// moved farther from the features, because no map that follows the crosses has one in the tip between two;
+// then the feature lines beside the defects are left out.  False if nothing is left to try.
 bool change_preparation(const Attempt& best, double edge_length, int attempt,
                         PreparationOptions& preparation) {
   constexpr double kFarther = 3;
-  constexpr int kFarAttempts = 3;
+  constexpr int kFarAttempts = 4;
   constexpr int kRings = 8;
-  if (attempt == 1) {
-    preparation.trade_reach = 0;
+  if (attempt <= 2) {
+    preparation.trade_reach = attempt == 1 ? preparation.trade_reach / 2 : 0;
     return true;
   }
   if (!has_features(best.problem.surface)) return false;
@@ -91,7 +92,7 @@ bool change_preparation(const Attempt& best, double edge_length, int attempt,
 
 Attempt find_seamless_map(const CrossSurface& surface, const ParametrizeOptions& options, double edge_length,
                           Json& statistics) {
-  constexpr int kMostAttempts = 7;
+  constexpr int kMostAttempts = 8;
   Attempt best;
   PreparationOptions preparation = options.preparation;
   const Json before = statistics;
