@@ -28,11 +28,10 @@ LOCAL = ImproveOptions(rounds=30, steps=20, gain=1e-4)
 
 @dataclass(frozen=True)
 class Mended:
-    """The mesh, its distances to the surface, how many quads were poor, and of how many vertices curves let go."""
+    """The mesh, its distances to the surface, and of how many vertices curves let go."""
 
     state: State
     distances: Distances
-    poor: int
     released: int
 
 
@@ -50,31 +49,34 @@ def mend_poor_quads(
     the quads around these as well, until none is poor any more.  Open boundaries never let go.  No face gets farther
     from the surface than `limit` (f,).
     """
-    poor = state.quality < POOR
     released = 0
-    for region in _regions(improver.cells, poor):
-        spot = _Spot(improver, region, patches, probe, limit)
+    edges, use = unique_edges(improver.cells)
+    rim = np.zeros(len(state.x), bool)
+    rim[edges[use == 1]] = True
+    for region in _regions(improver.cells, state.quality < POOR):
+        spot = _Spot(improver, region, patches, rim, probe, limit)
         state, distances, count = spot.mended(state, distances)
         released += count
-    return Mended(state, distances, int(poor.sum()), released)
+    return Mended(state, distances, released)
 
 
 class _Spot:
     """The quads `region` (k,) around some poor ones; vertices that other quads share stay where they are."""
 
     def __init__(
-        self, improver: Improver, region: Ints, patches: Patches, probe: DistanceProbe, limit: Floats
+        self,
+        improver: Improver,
+        region: Ints,
+        patches: Patches,
+        rim: Bools,
+        probe: DistanceProbe,
+        limit: Floats,
     ) -> None:
         self.improver, self.region, self.patches = improver, region, patches
-        self.probe, self.limit = probe, limit
-        cells = improver.cells
-        fixed = np.zeros(len(improver.constraints.kind), bool)
-        fixed[np.delete(cells, region, axis=0)] = True
-        edges, use = unique_edges(cells)
-        self.rim = np.zeros(len(fixed), bool)
-        self.rim[edges[use == 1]] = True
-        self.fixed = fixed
-        self.vertices, local = np.unique(cells[region], return_inverse=True)
+        self.rim, self.probe, self.limit = rim, probe, limit
+        self.fixed = np.zeros(len(rim), bool)
+        self.fixed[np.delete(improver.cells, region, axis=0)] = True
+        self.vertices, local = np.unique(improver.cells[region], return_inverse=True)
         self.cells = local.reshape(-1, 4)
         self.normals = outward_normals(self.cells, replace(patches, of_face=patches.of_face[region]))
 
