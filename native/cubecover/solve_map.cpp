@@ -20,20 +20,27 @@ std::vector<Eigen::Matrix3d> relative_gradients(const TetTargets& targets, const
   return gradients;
 }
 
-constexpr int most_roundings = 4;  // each keeps apart what the one before has let collapse
+// Each keeps apart what the one before has let collapse; a seamless map that is folded itself is rounded
+// once, to have what can be had.
+constexpr int most_roundings = 4;
 
 // Integers for the seamless map, and reals that follow them, until no tet that they fold is seen to be
 // squeezed between two equal integers.
 class IntegerGrid {
  public:
-  IntegerGrid(PreparedField& prepared, const TetTargets& targets, const Eigen::VectorXd& seamless,
+  IntegerGrid(PreparedField& prepared, const TetTargets& targets, const UntangleResult& seamless,
               const ParametrizeOptions& options, Steps& steps)
-      : prepared_(prepared), targets_(targets), seamless_(seamless), options_(options), steps_(steps) {}
+      : prepared_(prepared),
+        targets_(targets),
+        seamless_(seamless.columns),
+        roundings_(seamless.after.count == 0 ? most_roundings : 1),
+        options_(options),
+        steps_(steps) {}
 
   UntangleResult solve(Parametrization& result) {
     steps_.run(0.6, "quantize", [&] { prepare(); });
     UntangleResult unfolded;
-    for (int rounding = 0; rounding < most_roundings; ++rounding) {
+    for (int rounding = 0; rounding < roundings_; ++rounding) {
       unfolded = round();
       result.map =
           steps_.run(0.95, "fixed-point grid", [&] { return round_to_grid(map_, unfolded.columns); });
@@ -78,6 +85,7 @@ class IntegerGrid {
   PreparedField& prepared_;
   const TetTargets& targets_;
   const Eigen::VectorXd& seamless_;
+  int roundings_;
   const ParametrizeOptions& options_;
   Steps& steps_;
   const ReducedMap& map_ = prepared_.map;
@@ -100,8 +108,7 @@ Parametrization solve_map(PreparedField prepared, const ParametrizeOptions& opti
   const UntangleResult seamless = steps.run(0.3, "untangle seamless map", [&] {
     return untangle(targets, map, poisson, map.column_count(), options.threads);
   });
-  const UntangleResult unfolded =
-      IntegerGrid(prepared, targets, seamless.columns, options, steps).solve(result);
+  const UntangleResult unfolded = IntegerGrid(prepared, targets, seamless, options, steps).solve(result);
   result.flips = {seamless.before.count, seamless.after.count, unfolded.before.count, unfolded.after.count,
                   static_cast<int>(result.verification.folded_tets.size())};
   result.seamless_iterations = seamless.iterations;
