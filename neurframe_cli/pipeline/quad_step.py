@@ -27,6 +27,9 @@ SYMMETRY_TOLERANCE = (
     0.005  # bounding-box diagonals; half of the distance at which a mesh is not valid any more
 )
 
+# bounding-box diagonals up to which smoothing may move quads away; they are valid up to 0.01, and samples see not all
+FARTHEST = 0.006
+
 
 def quad_step(workspace: Workspace, request: MeshRequest) -> Step:
     """The stage bound to its files (paper, section 5.1.1)."""
@@ -99,7 +102,8 @@ def _problem(
 
 def _smoothed(context: StageContext, raw: CellMesh, model: Model) -> SmoothedMesh:
     progress = part(context.progress, 0.7, 0.9)
-    return smooth_quads(raw.V, raw.cells, model.surface, model.features, SmoothOptions(), progress)
+    options = SmoothOptions(hausdorff_limit=FARTHEST)
+    return smooth_quads(raw.V, raw.cells, model.surface, model.features, options, progress)
 
 
 def _made(mapped: MappedQuads, smoothed: SmoothedMesh, cells: CellMesh) -> MadeMesh:
