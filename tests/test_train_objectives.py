@@ -59,6 +59,17 @@ def test_an_epoch_of_batches_visits_every_tet_once():
     assert first.tolist() != second.tolist()
 
 
+def test_a_batch_in_chunks_has_the_gradient_of_the_whole(monkeypatch):
+    target = np.random.default_rng(0).normal(size=(len(TERMS.points), 9))
+    distillation = Distillation(TERMS.points, target, 36, [0, 1], "cpu")
+    network, chunked = small_network(), small_network()
+    value = distillation.backpropagate(network, 0)
+    monkeypatch.setitem(objectives.CHUNK, "cpu", 7)
+    assert distillation.backpropagate(chunked, 0) == pytest.approx(value, rel=1e-6)
+    for ours, theirs in zip(chunked.parameters(), network.parameters(), strict=True):
+        torch.testing.assert_close(ours.grad, theirs.grad, rtol=1e-4, atol=1e-6)
+
+
 def test_precision_is_float32_when_asked_and_bfloat16_rounds_its_operands():
     assert choose_device("cpu", "fp32").hidden_dtype == torch.float32
     assert choose_device("cpu", "bf16").hidden_dtype == torch.bfloat16
