@@ -156,9 +156,10 @@ def test_workers_on_loopback_are_started_for_the_batch(tmp_path: Path) -> None:
     assert os.getpid() not in {pid for i in range(3) for _, pid in began(tmp_path, f"j{i}")}
 
 
-# what dask-jobqueue needs of Slurm: submit a script, say its number; cancel by number
+# what dask-jobqueue needs of Slurm: submit a script, of which Slurm keeps a copy, say its number; cancel by number
 SBATCH = """#!/bin/sh
-setsid sh "$1" > /dev/null 2>&1 &
+cp "$1" {folder}/script.$$
+setsid sh {folder}/script.$$ > /dev/null 2>&1 &
 echo $! >> {folder}/submitted
 echo "Submitted batch job $!"
 """
@@ -167,17 +168,54 @@ kill -- -"$1"
 """
 
 
-def test_slurm_jobs_are_submitted_and_cancelled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Through dask-jobqueue and its real scripts; there is no Slurm here, only its two commands."""
+@pytest.fixture
+def slurm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> PoolOptions:
+    """dask-jobqueue and its real scripts; there is no Slurm here, only its two commands."""
     pytest.importorskip("dask_jobqueue", reason="the extra `batch` (dask-jobqueue) is not installed")
     for name, text in (("sbatch", SBATCH), ("scancel", SCANCEL)):
         (tmp_path / name).write_text(text.format(folder=tmp_path))
         (tmp_path / name).chmod(stat.S_IRWXU)
     monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
     monkeypatch.chdir(tmp_path)
+    return PoolOptions("slurm", jobs=1, threads=1, memory_mib=500)
+
+
+def submitted_to_slurm(folder: Path) -> list[int]:
+    return [int(pid) for pid in (folder / "submitted").read_text().split()]
+
+
+def not_for_ever() -> Callable[[], None]:
+    deadline = time.monotonic() + 900
+
+    def tick() -> None:
+        assert time.monotonic() < deadline, "the batch does not end"
+
+    return tick
+
+
+def test_slurm_jobs_are_submitted_and_cancelled(tmp_path: Path, slurm: PoolOptions) -> None:
     jobs = [script_job(tmp_path, f"j{i}") for i in range(3)]
     came: list[Outcome] = []
-    run_batch(jobs, PoolOptions("slurm", jobs=1, threads=1, memory_mib=500), came.append)
+    run_batch(jobs, slurm, came.append, not_for_ever())
     assert names(came) == ["j0", "j1", "j2"]
-    (submitted,) = (tmp_path / "submitted").read_text().split()
-    until(lambda: not psutil.pid_exists(int(submitted)))
+    (submitted,) = submitted_to_slurm(tmp_path)
+    until(lambda: not psutil.pid_exists(submitted))
+
+
+def test_a_lost_slurm_job_is_submitted_again(tmp_path: Path, slurm: PoolOptions) -> None:
+    import dask
+
+    jobs = [script_job(tmp_path, f"j{i}", "import time; time.sleep(3)") for i in range(2)]
+    came: list[Outcome] = []
+    bounded = not_for_ever()
+
+    def kill_the_first_worker() -> None:
+        bounded()
+        if began(tmp_path, "j0") and len(submitted_to_slurm(tmp_path)) == 1:
+            with contextlib.suppress(ProcessLookupError):  # it takes a while until it is missed
+                os.killpg(submitted_to_slurm(tmp_path)[0], signal.SIGKILL)
+
+    with dask.config.set({"distributed.deploy.lost-worker-timeout": "1s"}):
+        run_batch(jobs, slurm, came.append, kill_the_first_worker)
+    assert names(came) == ["j0", "j1"]
+    assert len(submitted_to_slurm(tmp_path)) == 2

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 LOOPBACK, SLURM = "loopback", "slurm"
 CONNECT_S = 10
+LATE_S = 300  # a worker on a busy node needs its time to start; dask-jobqueue's own limit is a minute
 
 Submit = Callable[[Job], "Future[Outcome]"]
 
@@ -122,12 +123,13 @@ def _loopback(options: PoolOptions) -> Any:
 
 
 def _slurm(options: PoolOptions) -> Any:
-    """A Slurm job for each worker; queue, account, wall time and the like come from jobqueue.slurm in Dask's config."""
+    """A Slurm job for each worker, and another for one that is lost; queue, account, wall time and the like come from
+    jobqueue.slurm in Dask's config."""
     try:
         from dask_jobqueue import SLURMCluster
     except ImportError as error:
         raise _missing("dask-jobqueue") from error
-    chosen: dict[str, Any] = {"processes": 1}
+    chosen: dict[str, Any] = {"processes": 1, "death_timeout": LATE_S}
     if options.threads is not None:
         chosen["cores"] = options.threads
     if options.memory_mib is not None:
@@ -139,7 +141,7 @@ def _slurm(options: PoolOptions) -> Any:
             f"dask-jobqueue: {error}",
             hint="give --threads and --memory, or set jobqueue.slurm in ~/.config/dask/jobqueue.yaml",
         ) from error
-    cluster.scale(jobs=options.jobs)
+    cluster.adapt(minimum_jobs=options.jobs, maximum_jobs=options.jobs)
     return cluster
 
 
