@@ -4,7 +4,9 @@
 #include "core/testing.hpp"
 #include "cubecover/max_flow.hpp"
 #include "cubecover/parametrize.hpp"
+#include "cubecover/poisson.hpp"
 #include "cubecover/rotation_field.hpp"
+#include "cubecover/separation.hpp"
 #include "cubecover/surface_labels.hpp"
 #include "cubecover/turning_borders.hpp"
 #include "grid_meshes.hpp"
@@ -149,6 +151,65 @@ void test_cylinder_without_singular_lines() {
   CHECK_NEAR(result.parametric_volume, std::round(result.parametric_volume), 1e-6);
 }
 
+int vertex_at(const FieldMesh& mesh, const Eigen::Vector3d& point) {
+  const auto found = std::find(mesh.points.begin(), mesh.points.end(), point);
+  CHECK(found != mesh.points.end());
+  return static_cast<int>(found - mesh.points.begin());
+}
+
+void add_feature(FieldMesh& mesh, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  mesh.features.push_back(edge_key(vertex_at(mesh, from), vertex_at(mesh, to)));
+  std::sort(mesh.features.begin(), mesh.features.end());
+}
+
+// The tets that touch a point.
+std::vector<int> tets_at(const FieldMesh& mesh, const Eigen::Vector3d& point) {
+  const int vertex = vertex_at(mesh, point);
+  std::vector<int> tets;
+  for (int t = 0; t < mesh.tet_count(); ++t) {
+    if (std::count(at(mesh.tets, t).begin(), at(mesh.tets, t).end(), vertex)) tets.push_back(t);
+  }
+  return tets;
+}
+
+// Two lines cross on the top of a box: what reaches a tet goes as far as the crossing, the edges of the box
+// stay.
+void test_inner_features_are_released_up_to_others() {
+  FieldMesh mesh = box({4, 2, 2});
+  const std::size_t outline = mesh.features.size();
+  for (double x = 0; x < 4; ++x) add_feature(mesh, {x, 1, 2}, {x + 1, 1, 2});
+  for (double y = 0; y < 2; ++y) add_feature(mesh, {2, y, 2}, {2, y + 1, 2});
+  const FieldMesh polycube = polycube_field(mesh, {1, 0});
+  CHECK(polycube.features.size() == outline + 6);
+  CHECK(without_inner_features(polycube).features.size() == outline);
+  const FieldMesh released = without_inner_features_at(polycube, tets_at(polycube, {0, 1, 2}));
+  CHECK(released.features.size() == outline + 4);
+  CHECK(without_inner_features_at(polycube, tets_at(polycube, {0, 0, 0})).features == polycube.features);
+}
+
+// With all integers 0 a box has no volume: every row parts two of its sides, and the true integers keep them
+// all.
+void test_collapsed_tets_are_kept_apart() {
+  PreparedField prepared = prepare(box({3, 1, 2}), Preparation{});
+  const ReducedMap& map = prepared.map;
+  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(map.column_count());
+  const TetTargets targets = make_targets(prepared.field.mesh, 0.5);
+  const Eigen::VectorXd seamless = minimise(quadratic_energy(targets, map, {}), nothing, map.column_count());
+  std::vector<int> tets;
+  for (int t = 0; t < prepared.field.mesh.tet_count(); ++t) tets.push_back(t);
+  const auto rows_for = [&](const Eigen::VectorXd& columns) {
+    return collapsed_rows(prepared.field, prepared.elimination, map, evaluate(map, seamless),
+                          evaluate(map, columns), tets);
+  };
+  const std::vector<SeparationRow> rows = rows_for(nothing);
+  CHECK(rows.size() == 1);
+  double distance = 0;
+  for (int i = 0; i < map.integer_count && !rows.empty(); ++i)
+    distance += at(rows[0], i) * seamless(map.real_count + i);
+  CHECK_NEAR(distance, 2, 1e-6);
+  CHECK(rows_for(seamless).empty());
+}
+
 }  // namespace
 }  // namespace neurframe
 
@@ -159,5 +220,7 @@ int main() {
   neurframe::test_rotations_meet_their_targets();
   neurframe::test_polycube_maps();
   neurframe::test_cylinder_without_singular_lines();
+  neurframe::test_inner_features_are_released_up_to_others();
+  neurframe::test_collapsed_tets_are_kept_apart();
   return neurframe::test_result();
 }
