@@ -13,12 +13,13 @@ from neurframe_cli.process.memory import free_mib, resident_now_mib
 # MiB of a stage = constant + sum of rate * thousands of what the name says
 _NEEDS: dict[str, dict[str, float]] = {
     "tetize": {"constant": 450.0, "tets": 4.0, "faces": 10.0},
-    "train": {"constant": 400.0, "tets": 9.0},
-    "discretize": {"constant": 450.0, "tets": 1.5, "faces": 2.0},
-    "quad": {"constant": 400.0, "faces": 10.0, "quads": 7.0},
-    "hex": {"constant": 400.0, "tets": 8.0, "hexes": 12.0},
+    "train": {"constant": 400.0, "tets": 2.5, "kept_tets": 6.5},
+    "discretize": {"constant": 550.0, "tets": 1.5, "faces": 2.0},
+    "quad": {"constant": 450.0, "faces": 10.0, "quads": 7.0},
+    "hex": {"constant": 550.0, "tets": 5.0, "hexes": 12.0},
 }
-_PASSED_THROUGH = {"constant": 150.0, "tets": 1.2}  # tetize of a tet mesh only checks it
+_PASSED_THROUGH = {"constant": 150.0, "tets": 1.0}  # tetize of a tet mesh only checks it
+_KEPT_TETS = 1 << 17  # training keeps the activations of so many tets at most (field/objectives.py)
 _ADVICE = {
     "quad": "a smaller --scale",
     "hex": "a smaller --scale, or tets with a longer edge",
@@ -29,7 +30,13 @@ def expected_mib(stage: str, amount: Amount) -> float:
     """About the most that the stage holds, in MiB, its programs included."""
     passed_through = stage == "tetize" and not amount.is_surface
     needs = _PASSED_THROUGH if passed_through else _NEEDS[stage]
-    many = {"tets": amount.tets, "faces": amount.faces, "quads": amount.quads, "hexes": amount.hexes}
+    many = {
+        "tets": amount.tets,
+        "kept_tets": min(amount.tets, _KEPT_TETS),
+        "faces": amount.faces,
+        "quads": amount.quads,
+        "hexes": amount.hexes,
+    }
     return needs["constant"] + sum(needs.get(name, 0.0) * count / 1000 for name, count in many.items())
 
 
