@@ -85,12 +85,11 @@ def ours(workspace: Path, carrier: Any, field: str, target: int) -> Result | str
     """Map, extraction and smoothing, as `neurframe quad` does them."""
     from neurframe_cli.field.surface_cross_field import surface_cross_field
     from neurframe_cli.mesh.features import features_by_angle
-    from neurframe_cli.mesh.optimize.smooth import SmoothOptions
     from neurframe_cli.mesh.read_cells import read_cells
     from neurframe_cli.mesh.read_surface import read_surface
     from neurframe_cli.mesh.write_mesh import write_surface
     from neurframe_cli.pipeline.executables import find_executable
-    from neurframe_cli.stages.smooth_quads import smooth_quads
+    from neurframe_cli.stages.smooth_quads import QUAD_OPTIONS, smooth_quads
 
     started, V, F = time.process_time(), carrier.surface.V, carrier.surface.F
     crosses = carrier.crosses
@@ -118,7 +117,7 @@ def ours(workspace: Path, carrier: Any, field: str, target: int) -> Result | str
     model = read_surface(workspace / "surface.ply")
     features = features_by_angle(model.V, model.F, 45.0)
     started = time.process_time()
-    smoothed = smooth_quads(raw.V, raw.cells, model, features, SmoothOptions())
+    smoothed = smooth_quads(raw.V, raw.cells, model, features, QUAD_OPTIONS)
     return Result(smoothed.V, raw.cells, 0, seconds, time.process_time() - started)
 
 

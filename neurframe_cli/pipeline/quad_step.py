@@ -10,7 +10,7 @@ import numpy as np
 
 from neurframe_cli.mesh.arrays import Features, Floats, Surface
 from neurframe_cli.mesh.features import features_by_angle
-from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
+from neurframe_cli.mesh.optimize.smooth import SmoothedMesh
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.pipeline.forecast import Amount, expected_quads
 from neurframe_cli.pipeline.mesh_step import MadeMesh, MeshKind, MeshRequest, Model, mesh_step, part
@@ -20,15 +20,12 @@ from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.workspace import Workspace
 from neurframe_cli.stages.curvature_sizing import SizingOptions, curvature_sizing
 from neurframe_cli.stages.mirror_plane import MirrorPlane, mirror_plane
-from neurframe_cli.stages.smooth_quads import smooth_quads
+from neurframe_cli.stages.smooth_quads import QUAD_OPTIONS, smooth_quads
 from neurframe_cli.stages.symmetric_quads import half_model, mirrored_quads
 
 SYMMETRY_TOLERANCE = (
     0.005  # bounding-box diagonals; half of the distance at which a mesh is not valid any more
 )
-
-# bounding-box diagonals up to which smoothing may move quads away; they are valid up to 0.01, and samples see not all
-FARTHEST = 0.006
 
 
 def quad_step(workspace: Workspace, request: MeshRequest) -> Step:
@@ -102,8 +99,7 @@ def _problem(
 
 def _smoothed(context: StageContext, raw: CellMesh, model: Model) -> SmoothedMesh:
     progress = part(context.progress, 0.7, 0.9)
-    options = SmoothOptions(hausdorff_limit=FARTHEST)
-    return smooth_quads(raw.V, raw.cells, model.surface, model.features, options, progress)
+    return smooth_quads(raw.V, raw.cells, model.surface, model.features, QUAD_OPTIONS, progress)
 
 
 def _made(mapped: MappedQuads, smoothed: SmoothedMesh, cells: CellMesh) -> MadeMesh:

@@ -14,6 +14,8 @@ from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions, smoo
 from neurframe_cli.mesh.quality.polygons import unique_edges
 from neurframe_cli.mesh.quality.scaled_jacobian import quad_scaled_jacobians
 
+# a mesh is valid up to 0.01, but samples do not see all of a distance
+QUAD_OPTIONS = SmoothOptions(hausdorff_limit=0.006)
 RELEASE = 3.0  # edges of the quads round a folded one
 SHORTEST_LINE = 4.0  # edges of the quads; neurframe-miq leaves shorter feature lines out, too
 
