@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -67,7 +68,8 @@ class Search {
   Search(const FieldMesh& mesh, const ParametrizeOptions& options, Steps& steps)
       : mesh_(mesh), options_(options), steps_(steps) {}
 
-  // A preparation without defects is solved at once, the others in the order of their defects.
+  // A preparation without defects is solved at once.  A defect is a proof that there is no map: what has one
+  // is solved, in the order of the defects, where nothing else is left to try.
   void try_preparations() {
     for (const Preparation& preparation : usual_preparations()) {
       waiting_.push_back(prepared([&] { return prepare(mesh_, preparation); }));
@@ -84,15 +86,21 @@ class Search {
   }
 
   void try_refined() {
-    if (done() || best_score_ == 0 || mesh_.tet_count() > most_refined) return;
+    if (done() || lowest_score_ == 0 || mesh_.tet_count() > most_refined) return;
+    const double lowest = lowest_score_;
     PreparedField refined = prepared([&] { return prepare(mesh_, refined_preparation(mesh_)); });
-    if (refined.score() > worth_refining * best_score_) return;
+    if (refined.score() > worth_refining * lowest) return;
     waiting_.push_back(std::move(refined));
     try_waiting();
   }
 
-  // Whether the field of the best map has no defect that is known.
-  bool is_sound() const { return best_ && best_score_ == 0; }
+  // Whether a field of frames was without a defect that is known.
+  bool has_sound_field() const { return lowest_score_ == 0; }
+
+  // Where nothing could be tried, the soundest of the fields with defects, for what it can give.
+  void try_defective() {
+    if (!best_ && defective_) try_field(std::move(*defective_));
+  }
 
   // Where no field of frames carries a map: a polycube has no singular lines that could stand in its way. Its
   // labels decide how bent the cells are, so the least distorted of the valid maps is taken.
@@ -121,7 +129,7 @@ class Search {
   }
 
   void retry_around_failures() {
-    for (int retry = 0; retry < options_.retries && !done(); ++retry) {
+    for (int retry = 0; retry < options_.retries && best_ && !done(); ++retry) {
       const std::vector<int> failed = failed_tets(*best_);
       if (is_hopeless(failed.size(), best_->field.mesh)) return;
       const std::size_t failures = failure_count(*best_);
@@ -148,6 +156,7 @@ class Search {
   PreparedField prepared(const Make& make) {
     PreparedField field = steps_.run(0.0, "prepare", make);
     judged_.push_back(field.judged());
+    if (!field.preparation.is_polycube()) lowest_score_ = std::min(lowest_score_, field.score());
     return field;
   }
 
@@ -155,20 +164,24 @@ class Search {
     std::stable_sort(waiting_.begin(), waiting_.end(),
                      [](const PreparedField& a, const PreparedField& b) { return a.score() < b.score(); });
     for (PreparedField& field : waiting_) {
-      if (!done()) try_field(std::move(field));
+      if (done()) break;
+      const bool may_work = field.score() == 0 || field.preparation.is_polycube();
+      if (may_work || options_.polycubes == Polycubes::never) {
+        try_field(std::move(field));
+      } else if (!defective_ || field.score() < defective_->score()) {
+        defective_ = std::move(field);
+      }
     }
     waiting_.clear();
   }
 
   void try_field(PreparedField field) {
-    const double score = field.score();
     Parametrization next = solve_map(std::move(field), options_, steps_);
     attempts_.push_back(
         {next.preparation, next.field.mesh.features.size(), failure_count(next), next.distortion});
     if (next.preparation.is_polycube() && failure_count(next) > 0) try_with_fewer_features(next);
     if (best_ && !is_better(next, *best_, mesh_)) return;
     best_ = std::move(next);
-    best_score_ = score;
   }
 
   // A feature inside a label may be what a polycube fails at: it waits for a try without those at its
@@ -187,7 +200,8 @@ class Search {
   std::vector<PreparedField> waiting_;
   std::vector<PreparationScore> judged_;
   std::optional<Parametrization> best_;
-  double best_score_ = 0;
+  std::optional<PreparedField> defective_;
+  double lowest_score_ = std::numeric_limits<double>::infinity();
   std::vector<Attempt> attempts_;
 };
 
@@ -205,10 +219,11 @@ Parametrization parametrize(const FieldMesh& mesh, const ParametrizeOptions& opt
   Search search(mesh, options, steps);
   if (options.polycubes != Polycubes::only) {
     search.try_preparations();
-    if (search.is_sound()) search.retry_around_failures();
+    if (search.has_sound_field()) search.retry_around_failures();
     search.try_refined();
   }
   if (options.polycubes != Polycubes::never) search.try_polycubes();
+  search.try_defective();
   search.retry_around_failures();
   return search.result();
 }
