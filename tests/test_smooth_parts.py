@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from smooth_shapes import cube_hexes, cylinder_surface, disk_quads, grid_quads, jitter
+from smooth_shapes import cube_hexes, cylinder_surface, disk_quads, grid_quads, jitter, sphere_hexes
 
 from neurframe_cli.mesh.arrays import Features, Floats, Surface
 from neurframe_cli.mesh.features import features_by_angle
+from neurframe_cli.mesh.optimize.approach import retreat
 from neurframe_cli.mesh.optimize.cell_kind import HEXES, QUADS, CellKind, target_lengths
+from neurframe_cli.mesh.optimize.classify import classify
 from neurframe_cli.mesh.optimize.corner_energy import CornerEnergy, EnergyWeights
+from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe
 from neurframe_cli.mesh.optimize.feature_curves import FeatureCurves, feature_curves
 from neurframe_cli.mesh.optimize.guard import guarded_step, least_allowed
+from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver
 from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise
 from neurframe_cli.mesh.optimize.match_curves import match_features
 from neurframe_cli.mesh.optimize.patches import components_cut_by
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
-from neurframe_cli.mesh.optimize.straight_corners import straight_corners
 from neurframe_cli.mesh.quality.polygons import triangulated, unique_edges
 from neurframe_cli.stages.smooth_hexes import boundary_quads
 
@@ -222,18 +225,26 @@ def test_the_guard_ends_where_blame_is_misplaced() -> None:
     assert kept[2, 0] <= 0.25
 
 
+def test_bad_hexes_open_within_the_limit_of_distance() -> None:
+    """A cube of hexes blown up to a ball: flat along the cube's edges as long as all vertices are on the sphere."""
+    shape = sphere_hexes(4)
+    faces = boundary_quads(shape.cells)
+    constraints = classify(shape.V, faces, shape.surface, shape.features, voids=True).constraints
+    improver = Improver(shape.V, shape.cells, HEXES, constraints, None, ImproveOptions())
+    probe = DistanceProbe(faces, shape.surface, 2000, np.random.default_rng(0))
+    limit = 0.07
+
+    def distance(x: Floats) -> float:
+        return float(probe.measure(x).by_face.max())
+
+    found = retreat(improver, shape.V, distance, limit)
+    assert found is not None
+    assert distance(found.x) <= limit
+    assert improver.first.quality.min() < 0.25
+    assert found.quality.min() > 0.4
+    assert retreat(improver, shape.V, distance, 0.01) is None  # no four hexes across a ball are that near
+
+
 def test_what_cells_may_fall_to() -> None:
     np.testing.assert_array_equal(least_allowed(np.array([0.5, 0.2, 0.9])), [0.2, 0.2, 0.2])
     np.testing.assert_array_equal(least_allowed(np.array([0.5, -0.2, 1e-4, -0.1])), [1e-3, -0.2, 1e-4, -0.2])
-
-
-def test_straight_corners_are_those_that_a_path_pulls_flat() -> None:
-    """Three vertices of the first quad are on a straight path, three of the second on one with a right angle."""
-    X = np.array(
-        [[0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 1, 0], [5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]], float
-    )
-    faces = np.array([[0, 1, 2, 3], [4, 5, 6, 7]])
-    paths = [np.array([0, 1, 2]), np.array([4, 5, 6])]
-    assert straight_corners(X, faces, paths).tolist() == [1]
-    assert straight_corners(X, faces, [np.array([0, 1]), np.array([1, 2])]).tolist() == []
-    assert straight_corners(X, faces, []).tolist() == []

@@ -7,7 +7,8 @@ Between the two lies the minimum of
     E(x) + w/2 sum_i c_i |x_i - p_i|²
 
 with the corner energy E, a barrier once nothing is inverted, the places p_i where the constraints want the vertices,
-and the curvatures c_i of E.  The smallest weight w that brings the mesh near enough leaves the best hexes.
+and the curvatures c_i of E.  The smallest weight w that brings the mesh near enough leaves the best hexes.  A mesh that
+is near already starts with a large one, or its vertices would slide along the surface to where they leave gaps.
 """
 
 from __future__ import annotations
@@ -43,6 +44,24 @@ def approach(
                 break
         weight *= GROWTH
     return nearest
+
+
+def retreat(
+    improver: Improver, start: Floats, distance: Callable[[Floats], float], limit: float
+) -> State | None:
+    """The state with the best hexes that is not farther away than the limit, from `start` (n,3), which is near but has
+    bad ones; None if there is none without inverted hexes."""
+    best, weight = None, LAST
+    while weight > FIRST:
+        x = _pulled(improver, start, weight)
+        state = improver.state(x)
+        weight /= GROWTH
+        if state.inverted:
+            continue
+        if distance(x) > limit:
+            break
+        best = state
+    return best
 
 
 def _pulled(improver: Improver, x: Floats, weight: float) -> Floats:

@@ -11,10 +11,11 @@ from neurframe_cli.mesh.optimize.constraints import FREE, ON_CURVE, ON_SURFACE, 
 from neurframe_cli.mesh.optimize.feature_curves import FeatureCurves, feature_curves
 from neurframe_cli.mesh.optimize.match_curves import MatchedFeatures, match_features
 from neurframe_cli.mesh.optimize.patches import Patches, pair_patches
-from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
+from neurframe_cli.mesh.optimize.simplex_tree import SMALLEST, SimplexTree
 from neurframe_cli.mesh.quality.polygons import unique_edges
 
 FARTHEST = 0.75  # edge lengths between a boundary vertex and the surface; what is farther belongs to a void
+FLAT = 0.15  # sine of the angle of a quad; less is as good as flat
 SMALLEST_GAP = 0.1  # share of the mean gap that neighbours on a curve are left
 
 
@@ -48,7 +49,8 @@ def classify(X: Floats, faces: Ints, surface: Surface, features: Features, voids
 
     Vertices of matched corners are pinned to them unless these are loose ends of a curve, those on matched curves
     slide on these, other vertices of `faces` slide on the part of the surface that the matched curves cut out and
-    their part of the mesh lies on; the rest is free.
+    their part of the mesh lies on; the rest is free.  voids: of a hex mesh, which may have voids, whose boundary stays;
+    its corners are let go where their pins alone make a quad flat.
     """
     curves = feature_curves(surface, features)
     matched = match_features(surface.V, curves, X, faces)
@@ -68,11 +70,27 @@ def classify(X: Floats, faces: Ints, surface: Surface, features: Features, voids
     held = ~_loose_ends(curves)[matched.corners[:, 0]]
     kind[matched.corners[held, 1]] = PINNED
     pins[matched.corners[:, 1]] = surface.V[curves.corners[matched.corners[:, 0]]]
+    if voids:
+        kind[_flat_corners(X, pins, kind, faces)] = ON_SURFACE
     tracks = [Track(t.tree, np.unique(t.vertices[kind[t.vertices] == ON_CURVE])) for t in tracks]
     for t, tree in enumerate(patches.trees):
         tracks.append(Track(tree, np.flatnonzero((patches.of_vertex == t) & (kind == ON_SURFACE))))
     constraints = Constraints(kind, pins, [t for t in tracks if len(t.vertices)])
     return Classified(constraints, patches, start, _counts(curves, matched, kind, off))
+
+
+def _flat_corners(X: Floats, pins: Floats, kind: Ints, faces: Ints) -> Ints:
+    """Pinned vertices (k,) at which a quad of `faces` would be flat or folded between two others that are pinned, too:
+    corners of the input closer to each other than the quads can follow."""
+    P = X[faces]
+    normal = np.cross(P[:, 2] - P[:, 0], P[:, 3] - P[:, 1])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), SMALLEST)
+    ahead, behind = np.roll(faces, -1, axis=1), np.roll(faces, 1, axis=1)
+    a, b = pins[ahead] - pins[faces], pins[behind] - pins[faces]
+    lengths = np.linalg.norm(a, axis=2) * np.linalg.norm(b, axis=2)
+    sine = np.einsum("fcd,fd->fc", np.cross(a, b), normal) / np.maximum(lengths, SMALLEST)
+    fixed = (kind[faces] == PINNED) & (kind[ahead] == PINNED) & (kind[behind] == PINNED)
+    return np.unique(faces[fixed & (sine < FLAT)])
 
 
 def _loose_ends(curves: FeatureCurves) -> Bools:

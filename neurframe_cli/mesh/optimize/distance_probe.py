@@ -38,7 +38,7 @@ class DistanceProbe:
     def __init__(self, faces: Ints, surface: Surface, samples: int, rng: np.random.Generator) -> None:
         self.faces, self.triangles = faces, triangulated(faces)
         self.points = np.concatenate([surface.V[np.unique(surface.F)], sample_surface(surface, samples, rng)])
-        self._tree = SimplexTree(surface.V, surface.F)
+        self.tree = SimplexTree(surface.V, surface.F)
 
     def measure(self, x: Floats, known: Distances | None = None) -> Distances:
         """Distances with the vertices at x (n,3); what has not changed since `known` is not measured again."""
@@ -72,7 +72,7 @@ class DistanceProbe:
             sides[..., 0] * len(x) + sides[..., 1], return_index=True, return_inverse=True
         )
         middles = x[sides.reshape(-1, 2)[first]].mean(axis=1)
-        distances = self._tree.distances(np.concatenate([x[vertices], middles, x[T].mean(axis=1)]))
+        distances = self.tree.distances(np.concatenate([x[vertices], middles, x[T].mean(axis=1)]))
         by_vertex, by_side, by_triangle = np.split(distances, [len(vertices), len(vertices) + len(middles)])
         of_triangles = np.concatenate(
             [by_vertex[at_vertices.reshape(-1, 2)], by_side[at_sides.reshape(-1, 2)], by_triangle[:, None]],

@@ -8,7 +8,7 @@ import numpy as np
 
 from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface
-from neurframe_cli.mesh.optimize.approach import approach
+from neurframe_cli.mesh.optimize.approach import approach, retreat
 from neurframe_cli.mesh.optimize.cell_kind import CellKind
 from neurframe_cli.mesh.optimize.classify import Classification, classify
 from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe, Distances
@@ -18,6 +18,7 @@ from neurframe_cli.mesh.optimize.patches import outward_normals
 from neurframe_cli.mesh.optimize.reach import reach_far_places
 from neurframe_cli.mesh.quality.polygons import unique_edges
 
+BAD = 0.05  # scaled Jacobian; such a hex is of no more use than an inverted one
 WITHIN = 0.9  # of the distance limit is what hexes are pulled to: other samples see a little more
 PASSED_BY = (
     0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
@@ -130,17 +131,23 @@ def smooth_cells(
 def _nearer(
     improver: Improver, X: Floats, state: State, probe: DistanceProbe, distances: Distances, limit: float
 ) -> tuple[State, Distances]:
-    """What no step that makes no hex worse had found, where `state` has inverted hexes or is beyond the `limit`: hexes
-    that are not inverted, and nearer to the surface or near enough."""
+    """What no step that makes no hex worse had found, where `state` has bad hexes or is beyond the `limit`: hexes that
+    are not inverted, and nearer to the surface or near enough."""
+
+    def distance(x: Floats) -> float:
+        return float(probe.measure(x).by_face.max())
+
     away = float(distances.by_face.max())
-    if state.inverted == 0 and away <= limit:
+    if state.quality.min() > BAD and away <= limit:
         return state, distances
-    found = approach(improver, X, lambda x: float(probe.measure(x).by_face.max()), WITHIN * limit)
-    if found is None:
+    found = None
+    if away <= limit:
+        found = retreat(improver, state.x, distance, max(WITHIN * limit, away))
+    if found is None and (state.inverted or away > limit):
+        found = approach(improver, X, distance, WITHIN * limit)
+    if found is None or distance(found.x) > max(limit, away):
         return state, distances
-    measured = probe.measure(found.x)
-    better = float(measured.by_face.max()) <= max(limit, away)
-    return (found, measured) if better else (state, distances)
+    return found, probe.measure(found.x)
 
 
 def _median_edge(X: Floats, faces: Ints) -> float:
