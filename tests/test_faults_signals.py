@@ -110,8 +110,11 @@ def interrupted(stage: str, workspace: Path, number: signal.Signals) -> tuple[En
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("stage", STAGES)
 def test_interruption(stage: str, number: signal.Signals, staged: dict[str, Path], tmp_path: Path) -> None:
-    workspace = copy_of(staged[stage], tmp_path)
-    ended, children = interrupted(stage, workspace, number)
+    for attempt in range(5):
+        workspace = copy_of(staged[stage], tmp_path / str(attempt))
+        ended, children = interrupted(stage, workspace, number)
+        if ended.code != 0:  # or it was done before the signal came, which a busy machine may delay
+            break
     assert_clear(ended, Cancelled.exit_code)
     assert "neurframe: interrupted" in ended.said
     assert psutil.wait_procs(children, timeout=PATIENCE_S)[1] == []
