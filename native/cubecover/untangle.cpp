@@ -32,7 +32,7 @@ Eigen::Matrix<double, 9, 12> gradient_operator(const Eigen::Matrix<double, 4, 3>
 }
 
 // Garanzha et al. 2021, section 4: epsilon falls faster the more the energy fell.  Their least share
-// is a tenth; with three tenths no more tets stay folded, after fewer iterations.
+// is a tenth; with three tenths as many tets unfold, in as many iterations or fewer.
 double next_epsilon(double epsilon, double energy_ratio, double smallest_determinant) {
   const double sigma = std::max(least_fall, 1 - energy_ratio);
   if (smallest_determinant >= 0) return std::max(least_epsilon, (1 - sigma) * epsilon);
