@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from numpy.typing import ArrayLike
 
 from neurframe_cli.errors import NotValid, UsageError
-from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, TetMesh, silent
+from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, TetMesh, part, silent
 from neurframe_cli.mesh.filling.hybrid_files import read_hybrid
 from neurframe_cli.mesh.filling.hybrid_mesh import HybridMesh
 from neurframe_cli.mesh.from_arrays import mesh_from_arrays
@@ -25,7 +25,7 @@ from neurframe_cli.pipeline.fill_step import FILLED
 from neurframe_cli.pipeline.hex_options import HexOptions
 from neurframe_cli.pipeline.hex_step import HEX, hex_step
 from neurframe_cli.pipeline.manifest import StageRecord, read_manifest
-from neurframe_cli.pipeline.mesh_step import MeshRequest, part
+from neurframe_cli.pipeline.mesh_step import MeshRequest
 from neurframe_cli.pipeline.native import Limits
 from neurframe_cli.pipeline.quad_source import QuadOptions
 from neurframe_cli.pipeline.quad_step import QUAD, quad_step

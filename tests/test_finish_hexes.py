@@ -37,7 +37,17 @@ def test_a_mesh_that_is_too_coarse_for_its_surface_is_split(splitting: bool) -> 
     options = FinishOptions(
         padding=False, splitting=splitting, smoothing=SmoothOptions(hausdorff_limit=0.012)
     )
-    made = finish_hexes(shape.V, shape.cells, shape.surface, shape.features, options, whole=True)
+    fractions: list[float] = []
+    made = finish_hexes(
+        shape.V,
+        shape.cells,
+        shape.surface,
+        shape.features,
+        options,
+        whole=True,
+        progress=lambda fraction, text: fractions.append(fraction),
+    )
+    assert fractions == sorted(fractions)
     assert made.report["smoothing"]["after"]["hausdorff"] > 0.012
     assert len(made.cells) == len(shape.cells) * (8 if splitting else 1)
     assert len(made.warnings) == splitting

@@ -21,6 +21,11 @@ def silent(fraction: float, text: str) -> None:
     """A progress that shows nothing."""
 
 
+def part(progress: Progress, begin: float, end: float) -> Progress:
+    """Progress of a step that is the part from `begin` to `end` of the whole."""
+    return lambda fraction, text: progress(begin + (end - begin) * fraction, text)
+
+
 @dataclass(frozen=True)
 class Surface:
     """A triangle mesh: V (n,3) float64 positions, F (m,3) int64, counter-clockwise seen from outside."""

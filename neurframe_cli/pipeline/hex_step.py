@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from neurframe_cli.field.fra import frame_count
+from neurframe_cli.mesh.arrays import part
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.picture.mesh_data import MeshData
@@ -17,7 +18,7 @@ from neurframe_cli.pipeline.atomic import atomic_path
 from neurframe_cli.pipeline.discretize_step import FRAMES_FRA
 from neurframe_cli.pipeline.fill_step import FILLED, FILLED_PICTURE, fill_step
 from neurframe_cli.pipeline.forecast import Amount, expected_hexes
-from neurframe_cli.pipeline.mesh_step import MadeMesh, MeshKind, MeshRequest, Model, extract, mesh_step, part
+from neurframe_cli.pipeline.mesh_step import MadeMesh, MeshKind, MeshRequest, Model, extract, mesh_step
 from neurframe_cli.pipeline.native import run_program
 from neurframe_cli.pipeline.pictures import draw_or_warn
 from neurframe_cli.pipeline.report_trouble import defects_of

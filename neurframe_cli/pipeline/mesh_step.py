@@ -131,11 +131,6 @@ def mesh_step(
     )
 
 
-def part(progress: Progress, begin: float, end: float) -> Progress:
-    """Progress of a step that is the part from `begin` to `end` of the whole."""
-    return lambda fraction, text: progress(begin + (end - begin) * fraction, text)
-
-
 def extract(
     kind: MeshKind, context: StageContext, limits: Limits, parametrization: ProgramResult, progress: Progress
 ) -> tuple[ProgramResult, CellMesh]:

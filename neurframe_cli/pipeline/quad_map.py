@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from neurframe_cli.mesh.arrays import Floats
+from neurframe_cli.mesh.arrays import Floats, part
 from neurframe_cli.mesh.merge_doublets import merge_doublets
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.mesh.write_mesh import write_surface
 from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
-from neurframe_cli.pipeline.mesh_step import MeshKind, extract, part
+from neurframe_cli.pipeline.mesh_step import MeshKind, extract
 from neurframe_cli.pipeline.native import Limits, ProgramResult, run_program
 from neurframe_cli.pipeline.quad_source import CrossCarrier
 from neurframe_cli.pipeline.runner import StageContext

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from neurframe_cli.mesh.arrays import Features, Floats, Surface
+from neurframe_cli.mesh.arrays import Features, Floats, Surface, part
 from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.pipeline.forecast import Amount, expected_quads
-from neurframe_cli.pipeline.mesh_step import MadeMesh, MeshKind, MeshRequest, Model, mesh_step, part
+from neurframe_cli.pipeline.mesh_step import MadeMesh, MeshKind, MeshRequest, Model, mesh_step
 from neurframe_cli.pipeline.quad_map import MappedQuads, MapProblem, mapped_quads
 from neurframe_cli.pipeline.quad_source import CrossCarrier, quad_inputs, read_carrier, read_model
 from neurframe_cli.pipeline.runner import StageContext, Step

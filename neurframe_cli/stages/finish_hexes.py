@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, silent
-from neurframe_cli.mesh.optimize.smooth import MeshNumbers, SmoothedMesh, SmoothOptions
+from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part, silent
+from neurframe_cli.mesh.optimize.smooth import BAD, MeshNumbers, SmoothedMesh, SmoothOptions
 from neurframe_cli.stages.pad_hexes import padded_hexes
 from neurframe_cli.stages.smooth_hexes import smooth_hexes
 from neurframe_cli.stages.split_hexes import split_hexes
 
-POOR, USABLE = 0.2, 0.05  # worst scaled Jacobians: better to have a layer; better to have more hexes
+POOR = 0.2  # worst scaled Jacobian, below which a layer of hexes is tried
 MOST_TO_SPLIT = 25_000  # hexes; a finer mesh is not too coarse for its surface
 
 
@@ -55,7 +55,7 @@ def finish_hexes(
     progress: Progress = silent,
 ) -> FinishedHexes:
     """Hexes H (h,8) over V (n,3) brought to the surface; `whole`: nothing is missing, so that it may be padded and
-    split without being asked for."""
+    split without being asked for.  Raises InvalidMesh if there are no hexes."""
     finisher = _Finisher(surface, features, options, progress)
     hexes = finisher.smoothed(V, H)
     if options.padding or (options.padding is None and whole and hexes.numbers.min_scaled_jacobian < POOR):
@@ -77,12 +77,11 @@ class _Finisher:
 
     def is_fine(self, numbers: MeshNumbers) -> bool:
         return (
-            numbers.min_scaled_jacobian >= USABLE
-            and numbers.hausdorff <= self.options.smoothing.hausdorff_limit
+            numbers.min_scaled_jacobian > BAD and numbers.hausdorff <= self.options.smoothing.hausdorff_limit
         )
 
     def smoothed(self, V: Floats, H: Ints) -> _Hexes:
-        result = _Hexes(self._smooth(V, H), H)
+        result = _Hexes(self._smooth(V, H, part(self.progress, 0.0, 0.4)), H)
         self.report["smoothing"] = asdict(result.smoothed.report)
         return result
 
@@ -93,7 +92,7 @@ class _Finisher:
             self.surface,
             self.features,
             self.options.smoothing,
-            self.progress,
+            part(self.progress, 0.4, 0.6),
         )
         self.report["padding"] = {"kept": made.kept, "padded": asdict(made.padded)}
         if not made.kept and self.options.padding:
@@ -108,7 +107,7 @@ class _Finisher:
         if len(hexes.cells) > MOST_TO_SPLIT:
             return hexes
         V, H = split_hexes(hexes.smoothed.V, hexes.cells)
-        result = _Hexes(self._smooth(V, H), H)
+        result = _Hexes(self._smooth(V, H, part(self.progress, 0.6, 1.0)), H)
         kept = self.is_fine(result.numbers)
         self.report["splitting"] = {"kept": kept, "split": asdict(result.numbers)}
         if not kept:
@@ -119,5 +118,5 @@ class _Finisher:
         )
         return result
 
-    def _smooth(self, V: Floats, H: Ints) -> SmoothedMesh:
-        return smooth_hexes(V, H, self.surface, self.features, self.options.smoothing, self.progress)
+    def _smooth(self, V: Floats, H: Ints, progress: Progress) -> SmoothedMesh:
+        return smooth_hexes(V, H, self.surface, self.features, self.options.smoothing, progress)
