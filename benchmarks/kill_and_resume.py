@@ -2,20 +2,19 @@
 
     python benchmarks/kill_and_resume.py samples/cube.stl --edge-length 0.2 --kills 20
 
-For each stage: one undisturbed run, then per kill a fresh copy, the same command killed after a random
-share of the undisturbed time, every file that is left checked (an artifact is whole or not there), the command run
-again, and the outputs compared byte by byte.  Prints one JSON line a kill and a summary; exit status 1 where anything
-differed.  `status` is what the manifest said of the stage when it was killed, null where it had not begun.
+For each stage: one undisturbed run, then per kill a fresh copy, the same command killed at a random moment of the
+stage's work, every file that is left checked (an artifact is whole or not there), the command run again, and the
+outputs compared byte by byte.  The work lasts while the manifest says "running": the moment is a random share of what
+it took undisturbed.  Where it was over by then, because the machine has become faster, another moment is drawn.
+Prints one JSON line a kill and a summary; exit status 1 where anything differed.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import os
 import random
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -40,6 +39,7 @@ BEFORE = {
     "quad": ("tetize", "train", "discretize"),
     "hex": ("tetize", "train", "discretize"),
 }
+POLL_S = 0.005
 OPTIONS = {
     "discretize": ["--no-pictures"],
     "quad": ["--no-pictures", "--scale", "30"],
@@ -77,12 +77,11 @@ def kill_stage(stage: str, arguments: argparse.Namespace, scratch: Path, rng: ra
     for earlier in BEFORE[stage]:
         subprocess.run(command(earlier, arguments, before), check=True)
     reference, seconds = undisturbed(stage, arguments, before, scratch / "reference")
-    failures, at_work = 0, 0
-    number = 0
+    failures, at_work, too_late, number = 0, 0, 0, 0
     while number < arguments.kills:
         outcome = kill_once(stage, arguments, before, scratch / "victim", rng.random() * seconds, reference)
         if outcome is None:
-            seconds *= 0.9  # the machine has become faster since the undisturbed run
+            too_late += 1
             continue
         number += 1
         outcome = {"stage": stage, "kill": number, **outcome}
@@ -91,7 +90,7 @@ def kill_stage(stage: str, arguments: argparse.Namespace, scratch: Path, rng: ra
         print(json.dumps(outcome), flush=True)
     print(
         f"{stage}: {arguments.kills} kills within {seconds:.1f} s, {at_work} of them at work, "
-        f"{failures} with another result",
+        f"{failures} with another result; {too_late} moments too late",
         flush=True,
     )
     return failures
@@ -107,10 +106,29 @@ def command(stage: str, arguments: argparse.Namespace, workspace: Path) -> list[
 def undisturbed(
     stage: str, arguments: argparse.Namespace, before: Path, folder: Path
 ) -> tuple[dict[str, str], float]:
+    """The outputs' hashes, and the seconds of the stage's work."""
     shutil.copytree(before, folder)
-    started = time.monotonic()
-    subprocess.run(command(stage, arguments, folder), check=True)
-    return hashes(stage, folder), time.monotonic() - started
+    process = subprocess.Popen(command(stage, arguments, folder))
+    wait_for_work(process, stage, folder)
+    began = time.monotonic()
+    while process.poll() is None and status_of(stage, folder) == "running":
+        time.sleep(POLL_S)
+    seconds = time.monotonic() - began
+    if process.wait() != 0:
+        sys.exit(f"{stage}: exit code {process.returncode} of the undisturbed run")
+    return hashes(stage, folder), seconds
+
+
+def wait_for_work(process: subprocess.Popen[bytes], stage: str, folder: Path) -> None:
+    """Return when the manifest says that the stage has begun, or when the process has ended."""
+    while process.poll() is None and status_of(stage, folder) is None:
+        time.sleep(POLL_S)
+
+
+def status_of(stage: str, folder: Path) -> str | None:
+    """What the manifest says of the stage, None where it says nothing."""
+    record = read_manifest(folder).stages.get(stage)
+    return None if record is None else record.status
 
 
 def kill_once(
@@ -121,26 +139,28 @@ def kill_once(
     delay: float,
     reference: dict[str, str],
 ) -> dict[str, object] | None:
-    """Kill after `delay` seconds, look for torn files, run again, compare with the outputs in `reference`.
+    """Kill `delay` seconds into the work, look for torn files, run again, compare with the outputs in `reference`.
 
-    None where the command had ended by then.
+    None where the work had ended by then.
     """
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(before, folder)
     victim = subprocess.Popen(
         command(stage, arguments, folder), start_new_session=True, stderr=subprocess.DEVNULL
     )
+    wait_for_work(victim, stage, folder)
     time.sleep(delay)
-    if victim.poll() is not None:
+    if status_of(stage, folder) != "running":
+        victim.wait()
         return None
-    os.kill(victim.pid, signal.SIGKILL)
+    victim.kill()
     victim.wait()
-    record = read_manifest(folder).stages.get(stage)
+    status = status_of(stage, folder)
     torn = torn_files(stage, folder, reference)
     again = subprocess.run(command(stage, arguments, folder), check=False)
     return {
         "after_s": round(delay, 2),
-        "status": None if record is None else record.status,
+        "status": status,
         "torn": torn,
         "exit": again.returncode,
         "left_over": sorted(path.name for path in folder.glob(TEMPORARY_PREFIX + "*")),
