@@ -27,7 +27,7 @@ def some_moved(V: Floats, share: float) -> Floats:
 def test_quality_of_cells_that_moved(shape: Shape, share: float) -> None:
     quads = shape.cells.shape[1] == 4
     faces = shape.cells if quads else boundary_quads(shape.cells)
-    constraints = classify(shape.V, faces, shape.surface, shape.features, voids=not quads).constraints
+    constraints = classify(shape.V, faces, shape.surface, shape.features, solid=not quads).constraints
     normals = (lambda x, cells: quad_normals(x, shape.cells[cells])) if quads else None
     improver = Improver(
         shape.V, shape.cells, QUADS if quads else HEXES, constraints, normals, ImproveOptions()
@@ -61,7 +61,7 @@ def test_distances_of_faces_that_moved(share: float) -> None:
 
 def test_some_vertices_go_where_all_of_them_would() -> None:
     shape = cube_quads(6)
-    constraints = classify(shape.V, shape.cells, shape.surface, shape.features, voids=False).constraints
+    constraints = classify(shape.V, shape.cells, shape.surface, shape.features, solid=False).constraints
     x = jitter(shape.V, 0.03, seed=3)
     chosen = np.flatnonzero(np.random.default_rng(4).random(len(x)) < 0.3)
     result, whole = constraints.project_some(x, chosen), constraints.project(x).points

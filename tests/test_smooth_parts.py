@@ -229,7 +229,7 @@ def test_bad_hexes_open_within_the_limit_of_distance() -> None:
     """A cube of hexes blown up to a ball: flat along the cube's edges as long as all vertices are on the sphere."""
     shape = sphere_hexes(4)
     faces = boundary_quads(shape.cells)
-    constraints = classify(shape.V, faces, shape.surface, shape.features, voids=True).constraints
+    constraints = classify(shape.V, faces, shape.surface, shape.features, solid=True, voids=True).constraints
     improver = Improver(shape.V, shape.cells, HEXES, constraints, None, ImproveOptions())
     probe = DistanceProbe(faces, shape.surface, 2000, np.random.default_rng(0))
     limit = 0.07

@@ -229,7 +229,7 @@ hex_options = options(
         "splitting",
         default=True,
         show_default=True,
-        help="Split every hex in eight where the mesh is off the surface by more than 1 % of the diagonal otherwise.",
+        help="Finer hexes of the same map where these are off the surface by more than 1 % of the diagonal.",
     ),
     click.option(
         "--fill",

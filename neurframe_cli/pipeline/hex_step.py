@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from neurframe_cli.field.fra import frame_count
-from neurframe_cli.mesh.arrays import part
+from neurframe_cli.mesh.arrays import Floats, Ints, part, silent
+from neurframe_cli.mesh.finer_map import write_finer_map
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.picture.mesh_data import MeshData
-from neurframe_cli.pipeline.atomic import atomic_path
+from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
 from neurframe_cli.pipeline.discretize_step import FRAMES_FRA
 from neurframe_cli.pipeline.fill_step import FILLED, FILLED_PICTURE, fill_step
 from neurframe_cli.pipeline.forecast import Amount, expected_hexes
@@ -57,7 +58,14 @@ def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, reque
     options = FinishOptions(request.hexes.padding, request.hexes.splitting)
     whole = bool(parametrization.statistics.get("valid"))
     progress = part(context.progress, 0.7, 0.95)
-    finished = finish_hexes(raw.V, raw.cells, model.surface, model.features, options, whole, progress)
+
+    def finer(times: int) -> tuple[Floats, Ints]:
+        with scratch_folder(context.workspace.folder) as scratch:
+            write_finer_map(context.workspace / HEX.map_name, scratch / HEX.map_name, times)
+            cells = extract(HEX, context, request.limits, parametrization, silent, scratch / HEX.map_name)[1]
+        return cells.V, cells.cells
+
+    finished = finish_hexes(raw.V, raw.cells, model.surface, model.features, options, whole, finer, progress)
     for warning in finished.warnings:
         context.warn(warning)
     cells = CellMesh(raw.kind, finished.V, finished.cells)

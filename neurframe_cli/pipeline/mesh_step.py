@@ -132,12 +132,18 @@ def mesh_step(
 
 
 def extract(
-    kind: MeshKind, context: StageContext, limits: Limits, parametrization: ProgramResult, progress: Progress
+    kind: MeshKind,
+    context: StageContext,
+    limits: Limits,
+    parametrization: ProgramResult,
+    progress: Progress,
+    map_file: Path | None = None,
 ) -> tuple[ProgramResult, CellMesh]:
-    """The cells of the map; raises NotValid where there are none, or where a flawed map cannot be read."""
+    """The cells of the workspace's map, or of `map_file`; raises NotValid where there are none, or where a flawed map
+    cannot be read."""
     with scratch_folder(context.workspace.folder) as scratch:
         raw = scratch / ("quads.obj" if kind.name == "quad" else "hexes.mesh")
-        arguments: list[str | Path] = [context.workspace / kind.map_name, "-o", raw]
+        arguments: list[str | Path] = [map_file or context.workspace / kind.map_name, "-o", raw]
         try:
             result = run_program(kind.extractor, arguments, limits, progress)
             return result, read_cells(raw)

@@ -1,7 +1,8 @@
-"""From the hexes of a map to those that are written: smoothed, padded where they are poor, split where too coarse."""
+"""From the hexes of a map to those that are written: smoothed, padded where they are poor, finer where too coarse."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -9,16 +10,18 @@ from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface,
 from neurframe_cli.mesh.optimize.smooth import BAD, MeshNumbers, SmoothedMesh, SmoothOptions
 from neurframe_cli.stages.pad_hexes import padded_hexes
 from neurframe_cli.stages.smooth_hexes import smooth_hexes
-from neurframe_cli.stages.split_hexes import split_hexes
 
 POOR = 0.2  # worst scaled Jacobian, below which a layer of hexes is tried
-MOST_TO_SPLIT = 25_000  # hexes; a finer mesh is not too coarse for its surface
+MOST_TO_SPLIT = {2: 25_000, 3: 1_000}  # hexes that are split so many times; a finer mesh is not too coarse
+
+# (V, H) of the same map with so many hexes along each edge of a hex
+FinerHexes = Callable[[int], tuple[Floats, Ints]]
 
 
 @dataclass(frozen=True)
 class FinishOptions:
-    """padding: a layer along the whole boundary, None for one where the hexes are poor without it; splitting: every
-    hex in eight where the mesh is not near the surface otherwise."""
+    """padding: a layer along the whole boundary, None for one where the hexes are poor without it; splitting: finer
+    hexes of the same map where the mesh is not near the surface otherwise."""
 
     padding: bool | None = None
     splitting: bool = True
@@ -52,27 +55,23 @@ def finish_hexes(
     features: Features,
     options: FinishOptions,
     whole: bool,
+    finer: FinerHexes,
     progress: Progress = silent,
 ) -> FinishedHexes:
-    """Hexes H (h,8) over V (n,3) brought to the surface; `whole`: nothing is missing, so that it may be padded and
-    split without being asked for.  Raises InvalidMesh if there are no hexes."""
-    finisher = _Finisher(surface, features, options, progress)
-    hexes = finisher.smoothed(V, H)
-    if options.padding or (options.padding is None and whole and hexes.numbers.min_scaled_jacobian < POOR):
-        hexes = finisher.padded(hexes)
+    """Hexes H (h,8) over V (n,3) brought to the surface; `whole`: nothing is missing, so that they may be padded, and
+    replaced by `finer` ones, without being asked for.  Raises InvalidMesh if there are no hexes."""
+    finisher = _Finisher(surface, features, options, whole)
+    hexes, report = finisher.finished(V, H, part(progress, 0.0, 0.4))
     if options.splitting and whole and not finisher.is_fine(hexes.numbers):
-        hexes = finisher.split(hexes)
-    return FinishedHexes(hexes.smoothed.V, hexes.cells, finisher.report, tuple(finisher.warnings))
+        hexes, report["splitting"] = finisher.split(hexes, len(H), finer, part(progress, 0.4, 1.0))
+    return FinishedHexes(hexes.smoothed.V, hexes.cells, report, tuple(finisher.warnings))
 
 
 class _Finisher:
     """The steps, and what they have to say."""
 
-    def __init__(
-        self, surface: Surface, features: Features, options: FinishOptions, progress: Progress
-    ) -> None:
-        self.surface, self.features, self.options, self.progress = surface, features, options, progress
-        self.report: dict[str, Any] = {}
+    def __init__(self, surface: Surface, features: Features, options: FinishOptions, whole: bool) -> None:
+        self.surface, self.features, self.options, self.whole = surface, features, options, whole
         self.warnings: list[str] = []
 
     def is_fine(self, numbers: MeshNumbers) -> bool:
@@ -80,43 +79,39 @@ class _Finisher:
             numbers.min_scaled_jacobian > BAD and numbers.hausdorff <= self.options.smoothing.hausdorff_limit
         )
 
-    def smoothed(self, V: Floats, H: Ints) -> _Hexes:
-        result = _Hexes(self._smooth(V, H, part(self.progress, 0.0, 0.4)), H)
-        self.report["smoothing"] = asdict(result.smoothed.report)
-        return result
-
-    def padded(self, hexes: _Hexes) -> _Hexes:
-        made = padded_hexes(
-            hexes.smoothed,
-            hexes.cells,
-            self.surface,
-            self.features,
-            self.options.smoothing,
-            part(self.progress, 0.4, 0.6),
-        )
-        self.report["padding"] = {"kept": made.kept, "padded": asdict(made.padded)}
+    def finished(self, V: Floats, H: Ints, progress: Progress) -> tuple[_Hexes, dict[str, Any]]:
+        """Smoothed, and padded where that is asked for or the hexes are poor; with the report of both."""
+        limits, voids = self.options.smoothing, not self.whole
+        result = smooth_hexes(V, H, self.surface, self.features, limits, part(progress, 0.0, 0.6), voids)
+        report: dict[str, Any] = {"smoothing": asdict(result.report)}
+        poor = self.whole and result.report.after.min_scaled_jacobian < POOR
+        if not (poor if self.options.padding is None else self.options.padding):
+            return _Hexes(result, H), report
+        made = padded_hexes(result, H, self.surface, self.features, limits, part(progress, 0.6, 1.0), voids)
+        report["padding"] = {"kept": made.kept, "padded": asdict(made.padded)}
         if not made.kept and self.options.padding:
             self.warnings.append(
                 f"the hexes are not padded, that made them worse: {made.padded.inverted} inverted, worst scaled "
-                f"Jacobian {made.padded.min_scaled_jacobian:.3f} instead of {hexes.numbers.min_scaled_jacobian:.3f}"
+                f"Jacobian {made.padded.min_scaled_jacobian:.3f} instead of "
+                f"{result.report.after.min_scaled_jacobian:.3f}"
             )
-        return _Hexes(made.smoothed, made.cells)
+        return _Hexes(made.smoothed, made.cells), report
 
-    def split(self, hexes: _Hexes) -> _Hexes:
-        """Kept where it makes the mesh one that is fine."""
-        if len(hexes.cells) > MOST_TO_SPLIT:
-            return hexes
-        V, H = split_hexes(hexes.smoothed.V, hexes.cells)
-        result = _Hexes(self._smooth(V, H, part(self.progress, 0.6, 1.0)), H)
-        kept = self.is_fine(result.numbers)
-        self.report["splitting"] = {"kept": kept, "split": asdict(result.numbers)}
-        if not kept:
-            return hexes
-        self.warnings.append(
-            f"{len(hexes.cells)} hexes were too coarse for this surface (off by {100 * hexes.numbers.hausdorff:.2f} % "
-            f"of the diagonal, worst scaled Jacobian {hexes.numbers.min_scaled_jacobian:.3f}): each is split in eight"
-        )
-        return result
-
-    def _smooth(self, V: Floats, H: Ints, progress: Progress) -> SmoothedMesh:
-        return smooth_hexes(V, H, self.surface, self.features, self.options.smoothing, progress)
+    def split(
+        self, hexes: _Hexes, count: int, finer: FinerHexes, progress: Progress
+    ) -> tuple[_Hexes, list[dict[str, Any]]]:
+        """The coarsest of the finer meshes that is fine, or `hexes`, of a map with `count` of them."""
+        tried: list[dict[str, Any]] = []
+        for number, times in enumerate(t for t, most in MOST_TO_SPLIT.items() if count <= most):
+            steps = part(progress, number / len(MOST_TO_SPLIT), (number + 1) / len(MOST_TO_SPLIT))
+            result, report = self.finished(*finer(times), steps)
+            kept = self.is_fine(result.numbers)
+            tried.append({"times": times, "kept": kept, **report})
+            if kept:
+                self.warnings.append(
+                    f"{len(hexes.cells)} hexes were too coarse for this surface (off by "
+                    f"{100 * hexes.numbers.hausdorff:.2f} % of the diagonal, worst scaled Jacobian "
+                    f"{hexes.numbers.min_scaled_jacobian:.3f}): each is split {times} times along each edge"
+                )
+                return result, tried
+        return hexes, tried

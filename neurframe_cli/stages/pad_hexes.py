@@ -34,14 +34,15 @@ def padded_hexes(
     features: Features,
     options: SmoothOptions,
     progress: Progress = silent,
+    voids: bool = True,
 ) -> PaddedMesh:
     """The smoothed hexes H (n,8) with a layer along their boundary, smoothed again, or as they were if that is worse.
 
     Not worse: no more inverted hexes, a worst scaled Jacobian that is no lower or at least 0.2, and a Hausdorff
-    distance that is no larger or within the limit of `options`.
+    distance that is no larger or within the limit of `options`.  `voids`: hexes may be missing.
     """
     V, padded = pad_hexes(before.V, H)
-    after = smooth_hexes(V, padded, surface, features, options, progress)
+    after = smooth_hexes(V, padded, surface, features, options, progress, voids)
     kept = _no_worse(after.report.after, before.report.after, options.hausdorff_limit)
     chosen, cells = (after, padded) if kept else (before, H)
     return PaddedMesh(chosen, cells, kept, after.report.after)

@@ -15,16 +15,17 @@ def smooth_hexes(
     features: Features,
     options: SmoothOptions,
     progress: Progress = silent,
+    voids: bool = True,
 ) -> SmoothedMesh:
     """New positions of the vertices V (n,3) of hexes H (h,8) in VTK order.
 
     Boundary vertices stay on the surface, those on feature curves on these, those at corners in place; no hex becomes
     worse than the worst one was.  Where that leaves a hex bad or the mesh farther away than the limit of `options`,
-    both are weighed against each other (mesh/optimize/approach.py), and hexes may become worse, but not inverted.  The
-    boundary of a void, farther from the surface than three quarters of an edge, does not move.  Raises InvalidMesh if
-    there are no hexes.
+    both are weighed against each other (mesh/optimize/approach.py), and hexes may become worse, but not inverted.
+    `voids`: hexes may be missing; a boundary farther from the surface than three quarters of an edge does not move
+    then.  Raises InvalidMesh if there are no hexes.
     """
-    return smooth_cells(V, H, HEXES, boundary_quads(H), surface, features, options, progress)
+    return smooth_cells(V, H, HEXES, boundary_quads(H), surface, features, options, progress, voids)
 
 
 def boundary_quads(H: Ints) -> Ints:

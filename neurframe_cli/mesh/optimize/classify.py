@@ -44,13 +44,15 @@ class Classified:
     found: Classification
 
 
-def classify(X: Floats, faces: Ints, surface: Surface, features: Features, voids: bool) -> Classified:
+def classify(
+    X: Floats, faces: Ints, surface: Surface, features: Features, solid: bool, voids: bool = False
+) -> Classified:
     """Constraints of vertices X (n,3); faces (f,4) are the quads, or the boundary quads of a hex mesh.
 
     Vertices of matched corners are pinned to them unless these are loose ends of a curve, those on matched curves
     slide on these, other vertices of `faces` slide on the part of the surface that the matched curves cut out and
-    their part of the mesh lies on; the rest is free.  voids: of a hex mesh, which may have voids, whose boundary stays;
-    its corners are let go where their pins alone make a quad flat.
+    their part of the mesh lies on; the rest is free.  solid: of a hex mesh, whose corners are let go where their pins
+    alone make a quad flat; voids: it may have voids, and the boundary of these stays.
     """
     curves = feature_curves(surface, features)
     matched = match_features(surface.V, curves, X, faces)
@@ -70,7 +72,7 @@ def classify(X: Floats, faces: Ints, surface: Surface, features: Features, voids
     held = ~_loose_ends(curves)[matched.corners[:, 0]]
     kind[matched.corners[held, 1]] = PINNED
     pins[matched.corners[:, 1]] = surface.V[curves.corners[matched.corners[:, 0]]]
-    if voids:
+    if solid:
         kind[_flat_corners(X, pins, kind, faces)] = ON_SURFACE
     tracks = [Track(t.tree, np.unique(t.vertices[kind[t.vertices] == ON_CURVE])) for t in tracks]
     for t, tree in enumerate(patches.trees):

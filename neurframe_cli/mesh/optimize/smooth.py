@@ -81,15 +81,17 @@ def smooth_cells(
     features: Features,
     options: SmoothOptions,
     progress: Progress,
+    voids: bool = False,
 ) -> SmoothedMesh:
-    """Smooth cells (c,k) whose boundary quads, or which themselves if quads, are `faces` (f,4).
+    """Smooth cells (c,k) whose boundary quads, or which themselves if quads, are `faces` (f,4); `voids`: some of these
+    may lie inside the solid, and stay.
 
     Raises InvalidMesh if there are no cells.
     """
     if len(cells) == 0:
         raise InvalidMesh("there are no cells to smooth")
     progress(0.0, "matching features")
-    classified = classify(X, faces, surface, features, voids=faces is not cells)
+    classified = classify(X, faces, surface, features, solid=faces is not cells, voids=voids)
     normals = outward_normals(faces, classified.patches) if faces is cells else None
     improver = Improver(X, cells, kind, classified.constraints, normals, options.improve)
     improved, rounds = improver.run(classified.start, progress)
