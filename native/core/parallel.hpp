@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -43,7 +44,11 @@ void parallel_chunks(std::int64_t count, int threads, const Body& body,
   };
   std::vector<std::jthread> others;
   const std::int64_t useful = std::min<std::int64_t>(threads, chunks);
-  for (std::int64_t i = 1; i < useful; ++i) others.emplace_back(work);
+  try {
+    for (std::int64_t i = 1; i < useful; ++i) others.emplace_back(work);
+  } catch (const std::system_error&) {
+    // a limit of memory or processes allows no more threads: those that there are do all chunks
+  }
   work();
   others.clear();
   if (failure) std::rethrow_exception(failure);

@@ -23,7 +23,8 @@ struct TetMesh {
 };
 
 inline constexpr std::array<std::array<int, 3>, 4> face_corners{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-inline constexpr std::size_t most_tets = std::size_t{1} << 29;  // half-face numbers must fit an int
+// half-face numbers must fit an int, and so must the number after the last one
+inline constexpr std::size_t most_tets = (std::size_t{1} << 29) - 1;
 
 inline int corner_of(const Tet& tet, int vertex) {
   for (int i = 0; i < 4; ++i) {

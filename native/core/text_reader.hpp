@@ -1,6 +1,8 @@
 // Reading whitespace-separated text files fast, with the file and line in every complaint.
 #pragma once
 
+#include <sys/stat.h>
+
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -14,13 +16,26 @@
 
 namespace neurframe {
 
-// The whole file.  Raises InputError when it cannot be opened or read.
+// No text of this size has more vertices, at six bytes each, than an int can number.
+inline constexpr std::uint64_t most_file_bytes = std::uint64_t{1} << 33;
+
+// The whole file.  Raises InputError when it cannot be opened or read, or is too large.
 inline std::string read_file(const std::string& path) {
+  const auto refuse_if_larger = [&](std::uint64_t bytes) {
+    if (bytes <= most_file_bytes) return;
+    throw InputError(path + ": more than " + std::to_string(most_file_bytes >> 30) +
+                     " GiB, which is no mesh");
+  };
+  struct stat status{};
+  if (::stat(path.c_str(), &status) == 0) refuse_if_larger(static_cast<std::uint64_t>(status.st_size));
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
   if (!file) throw InputError(path + ": cannot be opened");
   std::string text;
   char block[1 << 16];
-  while (const std::size_t got = std::fread(block, 1, sizeof block, file.get())) text.append(block, got);
+  while (const std::size_t got = std::fread(block, 1, sizeof block, file.get())) {
+    text.append(block, got);
+    refuse_if_larger(text.size());  // a device has no size
+  }
   if (std::ferror(file.get()) != 0) throw InputError(path + ": cannot be read");
   return text;
 }

@@ -22,7 +22,10 @@ class TextWriter {
  public:
   explicit TextWriter(std::string path) : path_(std::move(path)) {
     temporary_ = path_ + ".tmp" + std::to_string(::getpid());
-    file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    // what has that name is left of a dead process, or a link that someone has put there to be written
+    // through
+    ::unlink(temporary_.c_str());
+    file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (file_ < 0) throw InputError(path_ + ": cannot be written: " + std::strerror(errno));
     buffer_.reserve(flush_size + 4096);
   }

@@ -77,6 +77,7 @@ inline int half_edge_of(const GridMap<2>& map, const QuadMap& real, const GivenT
 // Lets the transitions that the file gives replace those recovered from parameters.
 inline void use_given_transitions(const GridMap<2>& map, const QuadMap& real,
                                   RecoveredTransitions<2>& found) {
+  std::vector<char> given_here(map.twin.size(), 0);
   for (const GivenTransition2& given : real.transitions) {
     const int h = detail::half_edge_of(map, real, given);
     const GridTransition2& forward = given.transition;
@@ -84,9 +85,9 @@ inline void use_given_transitions(const GridMap<2>& map, const QuadMap& real,
     const auto behind = static_cast<std::size_t>(map.twin[here]);
     detail::set_transition<2>(forward, false, found.transition[here]);
     detail::set_transition<2>(forward.inverse(), false, found.transition[behind]);
-    std::erase_if(found.impossible,
-                  [&](int bad) { return bad == h || static_cast<std::size_t>(bad) == behind; });
+    given_here[here] = given_here[behind] = 1;
   }
+  std::erase_if(found.impossible, [&](int h) { return given_here[static_cast<std::size_t>(h)] != 0; });
 }
 
 // Raises InputError, with the reason and the place, for what is no integer-grid map.  Flipped and flat

@@ -19,6 +19,10 @@
 
 namespace neurframe {
 
+// The largest result: cells, and also integer points inside simplices, of which a few thin triangles may have
+// billions without a single cell.
+inline constexpr std::int64_t most_cells = std::int64_t{1} << 29;
+
 // type_identity: N is told by the map that comes with them, not deduced from arrays (whose size is no int)
 template <int N>
 using FixedPoint = std::type_identity_t<std::array<Fixed, N>>;

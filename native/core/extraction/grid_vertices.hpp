@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -29,7 +30,8 @@ class GridVertices {
 
   // The number of a named point; `place` is kept for the first who asks.
   int number(const PlaceKey<N>& key, const VertexPlace<N>& place) {
-    const auto [found, added] = numbers_.try_emplace(key, interior_ + static_cast<int>(places_.size()));
+    if (count() == std::numeric_limits<int>::max()) throw StageError("more vertices than can be numbered");
+    const auto [found, added] = numbers_.try_emplace(key, count());
     if (added) {
       places_.push_back(place);
       is_mesh_vertex_.push_back(key.simplex < -1 ? 1 : 0);

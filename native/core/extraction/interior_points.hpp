@@ -34,7 +34,7 @@ class InteriorPoints {
       const std::int32_t height = column.first;  // add_simplex left the height here
       column.first = static_cast<std::int32_t>(count_);
       count_ += height;
-      if (count_ > most_points) throw StageError("more than " + std::to_string(most_points) + " grid points");
+      if (count_ > most_cells) throw StageError("more than " + std::to_string(most_cells) + " grid points");
     }
   }
 
@@ -69,8 +69,6 @@ class InteriorPoints {
   }
 
  private:
-  static constexpr std::int64_t most_points = (std::int64_t{1} << 31) - 1;
-
   // 32 bits are enough: coordinates stay below 2^24 cells.
   struct ColumnBox {
     std::int64_t first = 0;

@@ -12,6 +12,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <unordered_set>
 #include <vector>
 
 #include "core/extraction/simplex_planes.hpp"
@@ -89,6 +90,7 @@ class PreimageSearch {
   // the next search.
   const std::vector<PreimageVisit<N>>& visits(int t, const FixedPoint<N>& p) {
     visits_.assign(1, {t, p, {}});
+    if (!seen_.empty()) seen_.clear();
     // facets too thin to tell their rotation come last: they carry the point right, but perhaps not the chart
     for (std::size_t certain = 0, any = 0; any < visits_.size();) {
       if (certain < visits_.size()) {
@@ -143,15 +145,29 @@ class PreimageSearch {
       if (across < 0 || !transition.exact || transition.ambiguous != ambiguous) continue;
       if (!facet_contains(facet_points(map_, h), here.point)) continue;
       const int behind = across / (N + 1);
-      const auto seen = [&](const PreimageVisit<N>& visit) { return visit.simplex == behind; };
-      if (std::any_of(visits_.begin(), visits_.end(), seen)) continue;
+      if (!is_new(behind)) continue;
       visits_.push_back(
           {behind, carry(transition, here.point, map_.fraction_bits), transition.rotation * here.rotation});
     }
   }
 
+  // To be called once for a simplex that is then visited.  Few are compared one by one; the star of a vertex
+  // with thousands of simplices would take quadratic time so.
+  bool is_new(int simplex) {
+    constexpr std::size_t few = 32;
+    if (visits_.size() < few) {
+      return std::none_of(visits_.begin(), visits_.end(),
+                          [&](const PreimageVisit<N>& visit) { return visit.simplex == simplex; });
+    }
+    if (seen_.empty()) {
+      for (const PreimageVisit<N>& visit : visits_) seen_.insert(visit.simplex);
+    }
+    return seen_.insert(simplex).second;
+  }
+
   const GridMap<N>& map_;
   std::vector<PreimageVisit<N>> visits_;
+  std::unordered_set<int> seen_;  // the simplices visited, where they are many
 };
 
 }  // namespace neurframe

@@ -174,8 +174,8 @@ TracedCells<N> trace_cells(const GridMap<N>& map, const InteriorPoints<N>& point
   TracedCells<N> all;
   std::size_t cells = 0;
   for (const TracedCells<N>& part : parts) cells += part.cells.size();
-  constexpr std::size_t most_cells = std::size_t{1} << 29;
-  if (cells > most_cells) throw StageError("more than " + std::to_string(most_cells) + " cells");
+  if (cells > static_cast<std::size_t>(most_cells))
+    throw StageError("more than " + std::to_string(most_cells) + " cells");
   all.cells.reserve(cells);
   for (TracedCells<N>& part : parts) {
     detail::append(all, part);

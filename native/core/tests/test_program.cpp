@@ -1,4 +1,9 @@
 // Command line, JSON, exit codes, and the deterministic parallel loops.
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <fstream>
 #include <numeric>
 #include <stdexcept>
 
@@ -92,6 +97,24 @@ static void test_parallel() {
   CHECK_THROWS(parallel_for(5000, 3, failing), InputError, "item 4000");
 }
 
+// Where the address space ends no more threads are to be had; sanitizers need all of it for themselves.
+static void test_refused_threads() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
+  return;
+#endif
+  std::ifstream statm("/proc/self/statm");
+  rlim_t pages = 0;
+  statm >> pages;
+  rlimit before{};
+  getrlimit(RLIMIT_AS, &before);
+  const rlimit tight{pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + (64 << 20), before.rlim_max};
+  std::atomic<int> calls{0};
+  CHECK(setrlimit(RLIMIT_AS, &tight) == 0);
+  parallel_chunks(1024, 1024, [&](std::int64_t, std::int64_t, std::int64_t) { ++calls; }, 1);
+  setrlimit(RLIMIT_AS, &before);
+  CHECK(calls == 1024);
+}
+
 int main() {
   test_arguments();
   test_numbers();
@@ -99,5 +122,6 @@ int main() {
   test_one_line();
   test_json();
   test_parallel();
+  test_refused_threads();
   return test_result();
 }

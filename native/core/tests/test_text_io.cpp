@@ -150,6 +150,28 @@ static void test_ovm() {
   CHECK(read_file(scratch_path("column.ovm")).starts_with("OVM ASCII\nVertices\n12\n0 0 0\n"));
 }
 
+// A device has no size, so what is read counts; a file of nothing but a hole is refused before.
+static void test_too_large() {
+  const std::string path = scratch_path("huge.hexex");
+  std::ofstream(path).put('1');
+  std::filesystem::resize_file(path, most_file_bytes + 1);
+  CHECK_THROWS(read_hex_map(path), InputError, "more than 8 GiB");
+  std::filesystem::remove(path);
+}
+
+// The temporary name can be guessed: a link of that name must not be written through.
+static void test_planted_link() {
+  const std::string path = scratch_path("out.txt");
+  const std::string victim = scratch_path("victim.txt");
+  std::ofstream(victim) << "untouched";
+  std::filesystem::create_symlink(victim, path + ".tmp" + std::to_string(::getpid()));
+  TextWriter out(path);
+  out << "result";
+  out.commit();
+  CHECK(read_file(victim) == "untouched" && read_file(path) == "result");
+  CHECK(!std::filesystem::is_symlink(path));
+}
+
 int main() {
   test_hex_map();
   test_bad_hex_maps();
@@ -159,6 +181,8 @@ int main() {
   test_atomic_writer();
   test_hex_writers();
   test_ovm();
+  test_too_large();
+  test_planted_link();
   std::filesystem::remove_all(std::filesystem::path(scratch_path("x")).parent_path());
   return test_result();
 }

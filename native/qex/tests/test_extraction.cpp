@@ -224,6 +224,42 @@ static void test_refusals() {
   CHECK_THROWS(extracted(sector_map(1, 16, 1.6e7)), StageError, "columns of cells, allowed are");
 }
 
+// One cell whose centre is a vertex with very many triangles.
+static void test_centre_on_a_large_star() {
+  constexpr int side = 100;
+  QuadMap map;
+  map.mesh.V.push_back({0.5, 0.5, 0.0});
+  for (int i = 0; i < 4 * side; ++i) {
+    const double along = static_cast<double>(i % side) / side;
+    const std::array<Vector2<double>, 4> places{
+        {{along, 0.0}, {1.0, along}, {1.0 - along, 1.0}, {0.0, 1.0 - along}}};
+    const Vector2<double>& u = places[static_cast<std::size_t>(i / side)];
+    map.mesh.V.push_back({u[0], u[1], 0.0});
+  }
+  for (int i = 0; i < 4 * side; ++i) {
+    map.mesh.F.push_back({0, 1 + i, 1 + (i + 1) % (4 * side)});
+    std::array<Vector2<double>, 3>& corners = map.parameters.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Point3& p = map.mesh.V[static_cast<std::size_t>(map.mesh.F.back()[k])];
+      corners[k] = {p[0], p[1]};
+    }
+  }
+  const Result result = extracted(map);
+  CHECK(result.mesh.cells.size() == 1 && result.mesh.lost.empty());
+}
+
+// Thin triangles round long columns of integer points: billions of points, and not one cell.
+static void test_points_without_cells() {
+  QuadMap map;
+  const double height = 1 << 23;
+  for (int i = 0; i < 80; ++i) {
+    map.mesh.F.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    for (const Point3& p : {Point3{-0.4, 0, 0}, Point3{0.4, 0, 0}, Point3{0, 1, 0}}) map.mesh.V.push_back(p);
+    map.parameters.push_back({{{-0.4, 0.0}, {0.4, 0.0}, {0.0, height}}});
+  }
+  CHECK_THROWS(extracted(map), StageError, "grid points");
+}
+
 static void test_threads_do_not_matter() {
   std::mt19937 random(3);
   QuadMap map = sector_map(1, 30, 40);
@@ -244,6 +280,8 @@ int main() {
   test_locations();
   test_given_transitions();
   test_refusals();
+  test_centre_on_a_large_star();
+  test_points_without_cells();
   test_threads_do_not_matter();
   return test_result();
 }
