@@ -37,7 +37,7 @@ class LatticeSearch {
 
   Quantization search() {
     round_greedily();
-    while (improve_by_moves()) {
+    while (may_gain() && improve_by_moves()) {
     }
     Quantization result{integers_, deformation(integers_), 0};
     for (Eigen::Index r = 0; r < rows_.rows(); ++r)
@@ -47,6 +47,10 @@ class LatticeSearch {
 
  private:
   double deformation(const Eigen::VectorXd& m) const { return (m - relaxed_).dot(schur_ * (m - relaxed_)); }
+
+  // A deformation below zero, or none that is a number, is rounding error (of tets whose edges differ by a
+  // factor of 1e6, say): then the moves would go on for ever, each gaining more than the one before.
+  bool may_gain() const { return deformation(integers_) >= 0; }
 
   double cost(const Eigen::VectorXd& m) const {
     const Eigen::VectorXd lacking = (1 - (rows_ * m).array()).max(0.0);

@@ -3,6 +3,7 @@
 
 #include "core/testing.hpp"
 #include "cubecover/barrier_energy.hpp"
+#include "cubecover/quantize.hpp"
 
 namespace neurframe {
 namespace {
@@ -46,6 +47,16 @@ void test_identity_is_the_minimum() {
   }
 }
 
+// Rounding errors may leave a Schur complement that is not positive: the search for integers ends all the
+// same.
+void test_integers_of_an_indefinite_energy() {
+  const Eigen::Matrix2d schur = Eigen::Vector2d(-1, 1).asDiagonal();
+  const Quantization found = quantize(schur, Eigen::Vector2d(57.8, 3.2), {});
+  CHECK((found.integers - Eigen::Vector2d(58, 3)).norm() < 3);
+  const Eigen::Matrix2d nothing = Eigen::Matrix2d::Constant(NAN);
+  CHECK(quantize(nothing, Eigen::Vector2d(57.8, 3.2), {}).violated_rows == 0);
+}
+
 }  // namespace
 }  // namespace neurframe
 
@@ -53,5 +64,6 @@ int main() {
   neurframe::test_gradient_is_the_derivative();
   neurframe::test_hessian_is_positive();
   neurframe::test_identity_is_the_minimum();
+  neurframe::test_integers_of_an_indefinite_energy();
   return neurframe::test_result();
 }
