@@ -21,12 +21,15 @@ BATCH := $(BIN)/neurframe batch $(BATCH_MODELS) -o $(BATCH_OUTPUT) --resume --jo
 
 # make fuzz      libFuzzer on the C++ readers for FUZZ_SECONDS each (needs clang), then FUZZ_CASES damaged files per reader
 # make sanitize  ctest, and the executables over NEURFRAME_MODELS, under ASan + UBSan and under TSan with four threads
+#                both with clang, in build/sanitize-*; CMAKE_OPTIONS=-DCMAKE_UNITY_BUILD=ON builds faster, all at once
 CLANG ?= clang++
 FUZZ_SECONDS ?= 60
 FUZZ_CASES ?= 1000
 CMAKE_NATIVE = $(BIN)/cmake -S native -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DNEURFRAME_STRICT=OFF \
   -DCMAKE_MAKE_PROGRAM=$(abspath $(BIN)/ninja) \
-  -DCMAKE_PREFIX_PATH="$$($(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/cmeel.prefix"
+  -DCMAKE_PREFIX_PATH="$$($(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/cmeel.prefix" \
+  -DCMAKE_CXX_COMPILER=$(CLANG) $(CMAKE_OPTIONS)
+CMAKE_ADDRESS = $(CMAKE_NATIVE) -B build/sanitize-address -DNEURFRAME_FUZZ=ON
 
 .PHONY: docs install demo test lint types pytest ctest fuzz sanitize format samples docker docker-cuda batch batch-dask batch-slurm clean
 
@@ -72,19 +75,19 @@ $(VENV)/.eigen: $(VENV)/.dependencies
 	touch $@
 
 fuzz: install $(VENV)/.eigen
-	$(CMAKE_NATIVE) -B build/fuzz -DCMAKE_CXX_COMPILER=$(CLANG) -DNEURFRAME_FUZZ=ON -DNEURFRAME_TESTS=OFF
-	$(BIN)/cmake --build build/fuzz
-	build/fuzz/fuzz/write_seeds build/fuzz/seeds
+	$(CMAKE_ADDRESS)
+	$(BIN)/cmake --build build/sanitize-address --target fuzz_harnesses
+	build/sanitize-address/fuzz/write_seeds build/fuzz/seeds
 	set -e; for harness in build/fuzz/seeds/*; do name=$$(basename $$harness); mkdir -p build/fuzz/corpus/$$name; \
-	  build/fuzz/fuzz/fuzz_$$name -max_total_time=$(FUZZ_SECONDS) -max_len=4096 -timeout=20 -rss_limit_mb=2048 \
+	  build/sanitize-address/fuzz/fuzz_$$name -max_total_time=$(FUZZ_SECONDS) -max_len=4096 -timeout=20 -rss_limit_mb=2048 \
 	    -print_funcs=0 -print_final_stats=1 -dict=native/fuzz/hostile.dict -artifact_prefix=build/fuzz/$$name- build/fuzz/corpus/$$name $$harness; done
 	NEURFRAME_FUZZ_CASES=$(FUZZ_CASES) $(BIN)/python -P -m pytest -q -n $(JOBS) tests/test_fuzz.py tests/test_mesh_fuzz.py
 
 sanitize: install $(VENV)/.eigen
-	$(CMAKE_NATIVE) -B build/sanitize-address "-DNEURFRAME_SANITIZE=address;undefined"
+	$(CMAKE_ADDRESS)
 	$(CMAKE_NATIVE) -B build/sanitize-thread -DNEURFRAME_SANITIZE=thread
 	set -e; for kind in address thread; do $(BIN)/cmake --build build/sanitize-$$kind; \
-	  $(BIN)/ctest --test-dir build/sanitize-$$kind --output-on-failure -j $(JOBS); done
+	  $(BIN)/ctest --test-dir build/sanitize-$$kind --output-on-failure -j $(JOBS) -LE fuzz; done
 	$(BIN)/python tests/run_sanitized.py build/sanitize-address
 	$(BIN)/python tests/run_sanitized.py build/sanitize-thread --threads 4
 
