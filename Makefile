@@ -79,7 +79,7 @@ fuzz: install $(VENV)/.eigen
 	$(BIN)/cmake --build build/sanitize-address --target fuzz_harnesses
 	build/sanitize-address/fuzz/write_seeds build/fuzz/seeds
 	set -e; for harness in build/fuzz/seeds/*; do name=$$(basename $$harness); mkdir -p build/fuzz/corpus/$$name; \
-	  build/sanitize-address/fuzz/fuzz_$$name -max_total_time=$(FUZZ_SECONDS) -max_len=4096 -timeout=20 -rss_limit_mb=2048 \
+	  build/sanitize-address/fuzz/fuzz_$$name -max_total_time=$(FUZZ_SECONDS) -max_len=4096 -timeout=60 -rss_limit_mb=2048 \
 	    -print_funcs=0 -print_final_stats=1 -dict=native/fuzz/hostile.dict -artifact_prefix=build/fuzz/$$name- build/fuzz/corpus/$$name $$harness; done
 	NEURFRAME_FUZZ_CASES=$(FUZZ_CASES) $(BIN)/python -P -m pytest -q -n $(JOBS) tests/test_fuzz.py tests/test_mesh_fuzz.py
 
