@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
 
+#include "core/errors.hpp"
 #include "miq/matching.hpp"
 
 namespace neurframe {
@@ -120,9 +122,24 @@ std::vector<char> feature_vertices(const CrossSurface& surface) {
   return on;
 }
 
+constexpr double most_split_triangles = 1 << 25;  // a few hundred bytes each
+
+// Raises StageError where the split triangles, of which so many at least are needed, would fill the memory.
+void refuse_too_many_splits(const CrossSurface& surface, double longest) {
+  double needed = total_area(surface) / longest / longest;
+  for (int f = 0; f < surface.triangle_count(); ++f) {
+    for (int h = 3 * f; h < 3 * f + 3; ++h) needed += surface.along(h).norm() / longest / 3;
+  }
+  if (needed <= most_split_triangles) return;
+  throw StageError("the edge length asks for more than " +
+                   std::to_string(static_cast<int>(most_split_triangles)) +
+                   " triangles; choose a longer one");
+}
+
 }  // namespace
 
 int split_long_edges(CrossSurface& surface, double longest) {
+  refuse_too_many_splits(surface, longest);
   return split_all_edges(surface, [&](int h) { return surface.along(h).norm() > longest; });
 }
 

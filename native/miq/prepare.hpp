@@ -7,7 +7,8 @@
 
 namespace neurframe {
 
-// Splits at midpoints every edge longer than `longest`, longest first.  Returns the number of splits.
+// Splits at midpoints every edge longer than `longest`, longest first.  Returns the number of splits; raises
+// StageError where they would be too many.
 int split_long_edges(CrossSurface& surface, double longest);
 
 // Until no triangle has two feature edges and no other edge joins two vertices on features: splits such

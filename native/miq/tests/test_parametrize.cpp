@@ -185,6 +185,7 @@ void test_bad_input_is_refused() {
   CrossedMesh flat = patch();
   flat.mesh.V[1] = flat.mesh.V[0];
   CHECK_THROWS(run(flat, 0.1), InputError, "has no area");
+  CHECK_THROWS(run(patch(), 1e-300), StageError, "choose a longer one");
 }
 
 }  // namespace
