@@ -6,11 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from smooth_shapes import cube_hexes, sphere_hexes
+from smooth_shapes import cube_hexes, grid_hexes, sphere_hexes
 
-from neurframe_cli.mesh.arrays import Floats, Ints
+from neurframe_cli.mesh.arrays import Floats, Ints, Surface
 from neurframe_cli.mesh.finer_map import write_finer_map
+from neurframe_cli.mesh.hex_shell import hex_shell
 from neurframe_cli.mesh.optimize.smooth import SmoothOptions
+from neurframe_cli.mesh.pinches import has_topology_of, separate_pinches
+from neurframe_cli.mesh.quality.polygons import triangulated
 from neurframe_cli.mesh.quality.scaled_jacobian import hex_scaled_jacobians
 from neurframe_cli.stages.finish_hexes import FinishOptions, finish_hexes
 from neurframe_cli.stages.smooth_hexes import smooth_hexes
@@ -22,10 +25,8 @@ def test_fine_hexes_stay_as_they_are() -> None:
     def finer(times: int) -> tuple[Floats, Ints]:
         raise AssertionError("nobody needs finer hexes here")
 
-    made = finish_hexes(
-        shape.V, shape.cells, shape.surface, shape.features, FinishOptions(), whole=True, finer=finer
-    )
-    assert list(made.report) == ["smoothing"]
+    made = finish_hexes(shape.V, shape.cells, shape.surface, shape.features, FinishOptions(), finer=finer)
+    assert list(made.report) == ["whole", "smoothing"]
     assert len(made.cells) == len(shape.cells)
     assert made.warnings == ()
 
@@ -42,7 +43,6 @@ def test_a_mesh_that_is_too_coarse_for_its_surface_is_split(n: int, limit: float
         shape.surface,
         shape.features,
         options,
-        whole=True,
         finer=lambda times: balls(n * times),
         progress=lambda fraction, text: fractions.append(fraction),
     )
@@ -58,12 +58,33 @@ def test_a_mesh_that_is_too_coarse_for_its_surface_is_split(n: int, limit: float
         assert f"{n**3} hexes were too coarse" in made.warnings[0]
 
 
-@pytest.mark.parametrize(("splitting", "whole"), [(False, True), (True, False)])
-def test_hexes_stay_coarse_where_that_is_wanted_or_some_are_missing(splitting: bool, whole: bool) -> None:
+@pytest.mark.parametrize(("splitting", "missing"), [(False, []), (True, [13])])
+def test_hexes_stay_coarse_where_that_is_wanted_or_one_is_missing(
+    splitting: bool, missing: list[int]
+) -> None:
     shape = sphere_hexes(3)
     options = FinishOptions(splitting=splitting, smoothing=SmoothOptions(hausdorff_limit=0.012))
-    made = finish_hexes(shape.V, shape.cells, shape.surface, shape.features, options, whole, balls)
+    cells = np.delete(shape.cells, missing, axis=0)  # the one in the middle: a void
+    made = finish_hexes(shape.V, cells, shape.surface, shape.features, options, balls)
+    assert made.report["whole"] != bool(missing)
     assert "splitting" not in made.report
+
+
+def test_hexes_that_touch_in_an_edge_only_are_taken_apart() -> None:
+    """A ring of twelve hexes, pinched: opposite edges of its hole are one."""
+    V, H = grid_hexes(4)
+    centres = V[H].mean(axis=1)
+    ring = H[(centres[:, 2] < 0.25) & (np.abs(centres[:, :2] - 0.5).max(axis=1) > 0.25)]
+    surface = Surface(V, triangulated(hex_shell(ring).quads))
+    pinched = ring.copy()
+    for z in (0.0, 0.25):
+        here, there = (int(np.linalg.norm(V - [x, x, z], axis=1).argmin()) for x in (0.25, 0.75))
+        pinched[pinched == there] = here
+    assert has_topology_of(ring, surface)
+    assert not has_topology_of(pinched, surface)
+    apart, cells = separate_pinches(V, pinched)
+    assert has_topology_of(cells, surface)
+    np.testing.assert_array_equal(apart[cells], V[pinched])
 
 
 def balls(n: int) -> tuple[Floats, Ints]:

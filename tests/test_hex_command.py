@@ -60,7 +60,9 @@ def test_what_is_not_valid_is_filled(tmp_path: Path) -> None:
     # eight chords round the cylinder are farther from it than the check allows
     size = element_size(4.0, None, None, 30.0)
     with pytest.raises(NotValid, match="Hausdorff"):
-        run_stage(workspace, hex_step(workspace, request(size, HexOptions(fill=True))), silent)
+        run_stage(
+            workspace, hex_step(workspace, request(size, HexOptions(splitting=False, fill=True))), silent
+        )
     report = read_manifest(workspace.folder).stages["hex"].report
     assert 0.5 < report["mesh"]["valid_volume_share"] < 1.0
     filled = read_hybrid(workspace / "filled.vtu")
@@ -70,7 +72,7 @@ def test_what_is_not_valid_is_filled(tmp_path: Path) -> None:
     # without --fill nothing more is written
     other = stored(tmp_path / "other", V, T, four_line_frames(V[T].mean(axis=1)))
     with pytest.raises(NotValid):
-        run_stage(other, hex_step(other, request(size, HexOptions())), silent)
+        run_stage(other, hex_step(other, request(size, HexOptions(splitting=False))), silent)
     assert not (other / "filled.vtu").exists()
     assert len(read_cells(other / "hex.vtk").cells) == report["mesh"]["cells"]
 
@@ -84,7 +86,7 @@ def test_filled_meshes_reach_a_program_too() -> None:
     features = features_by_angle(surface.V, surface.F, 45.0)
     frames = nf.Frames(four_line_frames(V[T].mean(axis=1)), surface, np.zeros((len(surface.F), 2, 3)), {})
     model = nf.Tets(tets.V, tets.T, surface, features, {})
-    made = nf.hex(model, frames, scale=4.0, options=nf.HexOptions(fill=True))
+    made = nf.hex(model, frames, scale=4.0, options=nf.HexOptions(splitting=False, fill=True))
     assert not made.valid
     assert made.filled is not None
     assert len(made.filled.hexes) == made.report["filled"]["hexes"]

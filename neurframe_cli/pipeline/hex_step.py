@@ -56,7 +56,6 @@ def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, reque
         context.warn(POLYCUBE)
     extraction, raw = extract(HEX, context, request.limits, parametrization, part(context.progress, 0.5, 0.7))
     options = FinishOptions(request.hexes.padding, request.hexes.splitting)
-    whole = bool(parametrization.statistics.get("valid"))
     progress = part(context.progress, 0.7, 0.95)
 
     def finer(times: int) -> tuple[Floats, Ints]:
@@ -65,7 +64,7 @@ def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, reque
             cells = extract(HEX, context, request.limits, parametrization, silent, scratch / HEX.map_name)[1]
         return cells.V, cells.cells
 
-    finished = finish_hexes(raw.V, raw.cells, model.surface, model.features, options, whole, finer, progress)
+    finished = finish_hexes(raw.V, raw.cells, model.surface, model.features, options, finer, progress)
     for warning in finished.warnings:
         context.warn(warning)
     cells = CellMesh(raw.kind, finished.V, finished.cells)

@@ -1,4 +1,8 @@
-"""From the hexes of a map to those that are written: smoothed, padded where they are poor, finer where too coarse."""
+"""From the hexes of a map to those that are written: smoothed, padded where they are poor, finer where too coarse.
+
+Hexes are `whole` where their shell has the topology of the surface, be it after pinches are taken apart: a map that is
+not valid may give such ones, too.  Others have voids; they are smoothed only.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,7 @@ from typing import Any
 
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part, silent
 from neurframe_cli.mesh.optimize.smooth import BAD, MeshNumbers, SmoothedMesh, SmoothOptions
+from neurframe_cli.mesh.pinches import has_topology_of, separate_pinches
 from neurframe_cli.stages.pad_hexes import padded_hexes
 from neurframe_cli.stages.smooth_hexes import smooth_hexes
 
@@ -42,6 +47,7 @@ class FinishedHexes:
 class _Hexes:
     smoothed: SmoothedMesh
     cells: Ints
+    whole: bool
 
     @property
     def numbers(self) -> MeshNumbers:
@@ -54,15 +60,14 @@ def finish_hexes(
     surface: Surface,
     features: Features,
     options: FinishOptions,
-    whole: bool,
     finer: FinerHexes,
     progress: Progress = silent,
 ) -> FinishedHexes:
-    """Hexes H (h,8) over V (n,3) brought to the surface; `whole`: nothing is missing, so that they may be padded, and
-    replaced by `finer` ones, without being asked for.  Raises InvalidMesh if there are no hexes."""
-    finisher = _Finisher(surface, features, options, whole)
+    """Hexes H (h,8) over V (n,3) brought to the surface; where they are whole, they may be padded, and replaced by
+    `finer` ones, without being asked for.  Raises InvalidMesh if there are no hexes."""
+    finisher = _Finisher(surface, features, options)
     hexes, report = finisher.finished(V, H, part(progress, 0.0, 0.4))
-    if options.splitting and whole and not finisher.is_fine(hexes.numbers):
+    if options.splitting and hexes.whole and not finisher.is_fine(hexes):
         hexes, report["splitting"] = finisher.split(hexes, len(H), finer, part(progress, 0.4, 1.0))
     return FinishedHexes(hexes.smoothed.V, hexes.cells, report, tuple(finisher.warnings))
 
@@ -70,23 +75,23 @@ def finish_hexes(
 class _Finisher:
     """The steps, and what they have to say."""
 
-    def __init__(self, surface: Surface, features: Features, options: FinishOptions, whole: bool) -> None:
-        self.surface, self.features, self.options, self.whole = surface, features, options, whole
+    def __init__(self, surface: Surface, features: Features, options: FinishOptions) -> None:
+        self.surface, self.features, self.options = surface, features, options
         self.warnings: list[str] = []
 
-    def is_fine(self, numbers: MeshNumbers) -> bool:
-        return (
-            numbers.min_scaled_jacobian > BAD and numbers.hausdorff <= self.options.smoothing.hausdorff_limit
-        )
+    def is_fine(self, hexes: _Hexes) -> bool:
+        near = hexes.numbers.hausdorff <= self.options.smoothing.hausdorff_limit
+        return hexes.whole and near and hexes.numbers.min_scaled_jacobian > BAD
 
     def finished(self, V: Floats, H: Ints, progress: Progress) -> tuple[_Hexes, dict[str, Any]]:
         """Smoothed, and padded where that is asked for or the hexes are poor; with the report of both."""
-        limits, voids = self.options.smoothing, not self.whole
+        V, H, whole = self._apart(V, H)
+        limits, voids = self.options.smoothing, not whole
         result = smooth_hexes(V, H, self.surface, self.features, limits, part(progress, 0.0, 0.6), voids)
-        report: dict[str, Any] = {"smoothing": asdict(result.report)}
-        poor = self.whole and result.report.after.min_scaled_jacobian < POOR
+        report: dict[str, Any] = {"whole": whole, "smoothing": asdict(result.report)}
+        poor = whole and result.report.after.min_scaled_jacobian < POOR
         if not (poor if self.options.padding is None else self.options.padding):
-            return _Hexes(result, H), report
+            return _Hexes(result, H, whole), report
         made = padded_hexes(result, H, self.surface, self.features, limits, part(progress, 0.6, 1.0), voids)
         report["padding"] = {"kept": made.kept, "padded": asdict(made.padded)}
         if not made.kept and self.options.padding:
@@ -95,7 +100,14 @@ class _Finisher:
                 f"Jacobian {made.padded.min_scaled_jacobian:.3f} instead of "
                 f"{result.report.after.min_scaled_jacobian:.3f}"
             )
-        return _Hexes(made.smoothed, made.cells), report
+        return _Hexes(made.smoothed, made.cells, whole), report
+
+    def _apart(self, V: Floats, H: Ints) -> tuple[Floats, Ints, bool]:
+        """The hexes, without pinches where that makes them whole, and whether they are."""
+        if len(H) == 0 or has_topology_of(H, self.surface):
+            return V, H, len(H) > 0
+        apart = separate_pinches(V, H)
+        return (*apart, True) if has_topology_of(apart[1], self.surface) else (V, H, False)
 
     def split(
         self, hexes: _Hexes, count: int, finer: FinerHexes, progress: Progress
@@ -105,7 +117,7 @@ class _Finisher:
         for number, times in enumerate(t for t, most in MOST_TO_SPLIT.items() if count <= most):
             steps = part(progress, number / len(MOST_TO_SPLIT), (number + 1) / len(MOST_TO_SPLIT))
             result, report = self.finished(*finer(times), steps)
-            kept = self.is_fine(result.numbers)
+            kept = self.is_fine(result)
             tried.append({"times": times, "kept": kept, **report})
             if kept:
                 self.warnings.append(
