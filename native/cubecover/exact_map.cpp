@@ -191,11 +191,21 @@ class Verifier {
         if (!fits) record(edge.ring, counted, expected);
         continue;
       }
-      const SignedAxis outward = at(field_.boundary_axis, edge.begin_face);
-      Vector3<Fixed> inward{0, 0, 0};
-      at(inward, outward.axis) = -outward.sign;
-      record(edge.ring, 4 * full_turns(ring, edge.vertices, inward) - 2, 2);
+      record(edge.ring, 2 * half_turns(ring, edge), 2);
     }
+  }
+
+  // Half turns between two faces of one plane: what the image sweeps of the two directions normal to it.  One
+  // is injective on whichever side of the plane it lies; which one follows from the map, not from the field.
+  int half_turns(std::span<const int> ring, const BoundaryEdge& edge) const {
+    const int axis = at(field_.boundary_axis, edge.begin_face).axis;
+    int count = 0;
+    for (const Fixed side : {1, -1}) {
+      Vector3<Fixed> direction{0, 0, 0};
+      at(direction, axis) = side;
+      count += full_turns(ring, edge.vertices, direction);
+    }
+    return count;
   }
 
   const CombedField& field_;

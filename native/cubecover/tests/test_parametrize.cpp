@@ -96,6 +96,75 @@ void test_every_seam_is_exact() {
   CHECK(!verification.valid());
 }
 
+// Which of the two sides of a plane the solid lies on follows from the map: turned by half a turn, with every
+// second normal the other way round, it is as valid as before.
+void test_either_side_of_a_plane() {
+  Parametrization result = map_of(l_shape(4, 2), 0.5);
+  for (auto& corners : result.map.parameters) {
+    for (Vector3<Fixed>& u : corners) u = {-u[0], -u[1], u[2]};
+  }
+  CHECK(verify(result.field, result.map).valid());
+}
+
+struct FlatEdge {
+  const BoundaryEdge* edge = nullptr;
+  double widest_wedge = 1e300;  // of its tets, radians
+};
+
+// The edge inside a face of the box whose tets are the thinnest wedges.
+FlatEdge sharpest_flat_edge(const CombedField& field) {
+  FlatEdge best;
+  for (const BoundaryEdge& edge : field.boundary_edges) {
+    if (sector_quarter_turns(field.mesh, edge, field.boundary_axis) != 2) continue;
+    double widest = 0;
+    for (const int h : field.rings.ring(static_cast<std::size_t>(edge.ring))) {
+      const Eigen::Vector3d begin = area_vector(
+          field.mesh,
+          detail::other_half_face(at(field.mesh.tets, h / 4), h, edge.vertices[0], edge.vertices[1]));
+      widest = std::max(widest, std::acos(-begin.normalized().dot(area_vector(field.mesh, h).normalized())));
+    }
+    if (widest < best.widest_wedge) best = {&edge, widest};
+  }
+  return best;
+}
+
+// Half a turn is made a full one round an edge inside a face: its two sides come to lie on each other.
+void test_face_folded_onto_itself_is_refused() {
+  Parametrization result = map_of(box({2, 2, 2}), 0.25);
+  const FlatEdge sharpest = sharpest_flat_edge(result.field);
+  CHECK(sharpest.widest_wedge < 1.5);
+  const BoundaryEdge& edge = *sharpest.edge;
+  const double one = static_cast<double>(Fixed{1} << result.map.fraction_bits);
+  const auto point = [&](const Vector3<Fixed>& u) -> Eigen::Vector3d {
+    return Eigen::Vector3d(static_cast<double>(u[0]), static_cast<double>(u[1]), static_cast<double>(u[2])) /
+           one;
+  };
+  const int tet = edge.begin_face / 4;
+  const auto parameter = [&](int vertex) {
+    return point(at(at(result.map.parameters, tet), corner_of(at(result.field.mesh.tets, tet), vertex)));
+  };
+  const Eigen::Vector3d origin = parameter(edge.vertices[0]);
+  const Eigen::Vector3d along = (parameter(edge.vertices[1]) - origin).normalized();
+  const SignedAxis outward = at(result.field.boundary_axis, edge.begin_face);
+  const Eigen::Vector3d inward = -outward.sign * Eigen::Vector3d::Unit(outward.axis);
+  const Eigen::Vector3d aside = inward.cross(along);
+  for (auto& corners : result.map.parameters) {
+    for (Vector3<Fixed>& u : corners) {
+      const Eigen::Vector3d p = point(u) - origin;
+      const double x = p.dot(aside), y = p.dot(inward), r = std::hypot(x, y);
+      if (r == 0) continue;
+      const Eigen::Vector3d moved =
+          origin + p.dot(along) * along + (x * x - y * y) / r * aside + 2 * x * y / r * inward;
+      for (std::size_t i = 0; i < 3; ++i)
+        u[i] = to_fixed(moved(static_cast<Eigen::Index>(i)), result.map.fraction_bits);
+    }
+  }
+  int found = 0;
+  for (const Verification::WoundEdge& wound : verify(result.field, result.map).wound_edges)
+    found += wound.ring == edge.ring && wound.quarter_turns == 4 ? 1 : 0;
+  CHECK(found == 1);
+}
+
 // The frames turn by a full turn round the axis of a cylinder, which leaves a cone of angle zero there.
 FieldMesh polar_cylinder() {
   FieldMesh mesh = cylinder(8, 2, 0.6);
@@ -133,6 +202,8 @@ int main() {
   neurframe::test_thin_leg_survives();
   neurframe::test_cylinder();
   neurframe::test_every_seam_is_exact();
+  neurframe::test_either_side_of_a_plane();
+  neurframe::test_face_folded_onto_itself_is_refused();
   neurframe::test_polar_field_is_refused();
   neurframe::test_polar_field_is_repaired();
   return neurframe::test_result();
