@@ -59,17 +59,15 @@ BarrierTerm barrier_term(const Eigen::Matrix3d& S, double epsilon) {
   const Jet shape = shape_factor(chi);
   const Jet volume = volume_term(determinant, chi);
   const double square = S.squaredNorm();
-  const Eigen::Matrix3d D = cofactors(S);
   BarrierTerm term;
+  term.cofactors = cofactors(S);
   term.value = square * shape.value + volume.value;
-  term.gradient = 2 * shape.value * S + (square * shape.first + volume.first) * D;
-  const Eigen::Map<const Eigen::Matrix<double, 9, 1>> s(S.data());
-  const Eigen::Map<const Eigen::Matrix<double, 9, 1>> d(D.data());
-  // X -> X + (g'/g) (D:X) S
-  const Eigen::Matrix<double, 9, 9> shear =
-      Eigen::Matrix<double, 9, 9>::Identity() + (shape.first / shape.value) * s * d.transpose();
-  const double along = square * (shape.second - 2 * shape.first * shape.first / shape.value) + volume.second;
-  term.hessian = 2 * shape.value * shear.transpose() * shear + std::max(0.0, along) * d * d.transpose();
+  term.gradient = 2 * shape.value * S + (square * shape.first + volume.first) * term.cofactors;
+  // 2 g |X + (g'/g) (D:X) S|^2, multiplied out
+  const double bend = 2 * shape.first * shape.first / shape.value * square;
+  term.identity = 2 * shape.value;
+  term.mixed = 2 * shape.first;
+  term.square = bend + std::max(0.0, square * shape.second + volume.second - bend);
   return term;
 }
 

@@ -5,11 +5,16 @@
 
 namespace neurframe {
 
-// Derivatives by the nine entries of S, column by column.
+// Derivatives by the entries of S.  With D the cofactor matrix of S, the Hessian is the quadratic form
+//   X -> identity |X|^2 + 2 mixed (S:X) (D:X) + square (D:X)^2,
+// positive semidefinite: see barrier_term.
 struct BarrierTerm {
   double value = 0;
   Eigen::Matrix3d gradient;
-  Eigen::Matrix<double, 9, 9> hessian;  // positive semidefinite: see barrier_term
+  Eigen::Matrix3d cofactors;
+  double identity = 0;
+  double mixed = 0;
+  double square = 0;
 };
 
 double barrier_value(const Eigen::Matrix3d& S, double epsilon);

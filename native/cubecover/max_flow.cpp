@@ -34,30 +34,32 @@ void MinimumCut::connect(int from, int to, double capacity, double back) {
   arcs_.push_back({from, back});
 }
 
+// Backwards from the sink: what cannot reach it any more, which in the end is most of the graph, is not
+// visited.
 bool MinimumCut::find_levels() {
   level_.assign(arcs_of_node_.size(), -1);
-  at(level_, source_) = 0;
-  std::vector<int> queue = {source_};
-  for (std::size_t i = 0; i < queue.size(); ++i) {
+  at(level_, sink_) = 0;
+  std::vector<int> queue = {sink_};
+  for (std::size_t i = 0; i < queue.size() && at(level_, source_) < 0; ++i) {
     for (const int a : at(arcs_of_node_, queue[i])) {
-      const Arc& arc = at(arcs_, a);
-      if (arc.capacity <= negligible || at(level_, arc.to) >= 0) continue;
-      at(level_, arc.to) = at(level_, queue[i]) + 1;
-      queue.push_back(arc.to);
+      const int before = at(arcs_, a).to;
+      if (at(arcs_, a ^ 1).capacity <= negligible || at(level_, before) >= 0) continue;
+      at(level_, before) = at(level_, queue[i]) + 1;
+      queue.push_back(before);
     }
   }
-  return at(level_, sink_) >= 0;
+  return at(level_, source_) >= 0;
 }
 
-// Pushes flow from the node to the sink along arcs that lead one level up; paths are as long as the graph has
-// levels, which is few on a surface of bounded labels.
+// Pushes flow from the node to the sink along arcs that lead one level down; paths are as long as the graph
+// has levels, which is few on a surface of bounded labels.
 double MinimumCut::push(int node, double limit) {
   if (node == sink_) return limit;
   double pushed = 0;
   for (std::size_t& next = at(next_arc_, node); next < at(arcs_of_node_, node).size(); ++next) {
     const int a = at(arcs_of_node_, node)[next];
     const Arc arc = at(arcs_, a);
-    if (arc.capacity <= negligible || at(level_, arc.to) != at(level_, node) + 1) continue;
+    if (arc.capacity <= negligible || at(level_, arc.to) != at(level_, node) - 1) continue;
     const double flow = push(arc.to, std::min(limit - pushed, arc.capacity));
     at(arcs_, a).capacity -= flow;
     at(arcs_, a ^ 1).capacity += flow;
@@ -65,6 +67,21 @@ double MinimumCut::push(int node, double limit) {
     if (limit - pushed <= negligible) return pushed;
   }
   return pushed;
+}
+
+std::vector<char> MinimumCut::reached_from_source() const {
+  std::vector<char> reached(arcs_of_node_.size(), 0);
+  at(reached, source_) = 1;
+  std::vector<int> queue = {source_};
+  for (std::size_t i = 0; i < queue.size(); ++i) {
+    for (const int a : at(arcs_of_node_, queue[i])) {
+      const Arc& arc = at(arcs_, a);
+      if (arc.capacity <= negligible || at(reached, arc.to)) continue;
+      at(reached, arc.to) = 1;
+      queue.push_back(arc.to);
+    }
+  }
+  return reached;
 }
 
 std::vector<char> MinimumCut::sink_side() {
@@ -78,8 +95,9 @@ std::vector<char> MinimumCut::sink_side() {
     next_arc_.assign(arcs_of_node_.size(), 0);
     push(source_, std::numeric_limits<double>::max());
   }
+  const std::vector<char> reached = reached_from_source();
   std::vector<char> sink_side(surplus_.size());
-  for (int node = 0; node < source_; ++node) at(sink_side, node) = at(level_, node) < 0;
+  for (int node = 0; node < source_; ++node) at(sink_side, node) = !at(reached, node);
   return sink_side;
 }
 

@@ -29,13 +29,14 @@ class MinimumCut {
   void connect(int from, int to, double capacity, double back);
   bool find_levels();
   double push(int node, double limit);
+  std::vector<char> reached_from_source() const;
 
   int source_;
   int sink_;
   std::vector<Arc> arcs_;  // arc i runs against arc i ^ 1
   std::vector<std::vector<int>> arcs_of_node_;
   std::vector<double> surplus_;  // per node: cost on the sink's side less that on the source's side
-  std::vector<int> level_;
+  std::vector<int> level_;       // arcs to the sink; -1 for nodes farther than the source
   std::vector<std::size_t> next_arc_;
 };
 

@@ -73,18 +73,21 @@ void Stencils::clear() {
 void Stencils::add(int tet, const TetGradient& gradient, const TetHessian& hessian) {
   const int first = at(column_begin_, tet);
   const int count = at(column_begin_, tet + 1) - first;
-  Eigen::MatrixXd onto = Eigen::MatrixXd::Zero(12, count);
-  for (int e = at(entry_begin_, tet); e < at(entry_begin_, tet + 1); ++e) {
-    onto(at(entries_, e).row, at(entries_, e).local) += at(entries_, e).factor;
+  scratch_.assign(static_cast<std::size_t>(count * count), 0.0);
+  const int begin = at(entry_begin_, tet), end = at(entry_begin_, tet + 1);
+  for (int e = begin; e < end; ++e) {
+    const Entry& one = at(entries_, e);
+    gradient_(at(columns_, first + one.local)) += one.factor * gradient(one.row);
+    for (int f = begin; f < end; ++f) {
+      const Entry& other = at(entries_, f);
+      at(scratch_, count * one.local + other.local) +=
+          one.factor * other.factor * hessian(one.row, other.row);
+    }
   }
-  const Eigen::VectorXd reduced_gradient = onto.transpose() * gradient;
-  const Eigen::MatrixXd reduced_hessian = onto.transpose() * hessian * onto;
   std::int64_t slot = slot_begin_[static_cast<std::size_t>(tet)];
   for (int i = 0; i < count; ++i) {
-    gradient_(at(columns_, first + i)) += reduced_gradient(i);
-    for (int j = 0; j <= i; ++j) {
-      hessian_.valuePtr()[slots_[static_cast<std::size_t>(slot++)]] += reduced_hessian(i, j);
-    }
+    for (int j = 0; j <= i; ++j)
+      hessian_.valuePtr()[slots_[static_cast<std::size_t>(slot++)]] += at(scratch_, count * i + j);
   }
 }
 

@@ -38,6 +38,7 @@ class Stencils {
   std::vector<Entry> entries_;
   std::vector<std::int64_t> slot_begin_{0};
   std::vector<std::int64_t> slots_;  // of each tet's lower triangle, into the values of hessian_
+  std::vector<double> scratch_;      // the Hessian of one tet over its columns
   Eigen::VectorXd gradient_;
   SparseMatrix hessian_;
 };

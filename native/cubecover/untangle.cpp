@@ -20,17 +20,6 @@ constexpr double settled = 1e-3;     // relative decrease of the energy at which
 constexpr double direction_tolerance = 1e-3;
 constexpr int block_size = 8192;  // tets whose derivatives are held at once, 10 MB
 
-// S = U B, entry (i, k) = sum over corners c of U(i, c) B(c, k); vec is column by column.
-Eigen::Matrix<double, 9, 12> gradient_operator(const Eigen::Matrix<double, 4, 3>& relative) {
-  Eigen::Matrix<double, 9, 12> by_parameters = Eigen::Matrix<double, 9, 12>::Zero();
-  for (int corner = 0; corner < 4; ++corner) {
-    for (int k = 0; k < 3; ++k) {
-      for (int i = 0; i < 3; ++i) by_parameters(3 * k + i, 3 * corner + i) = relative(corner, k);
-    }
-  }
-  return by_parameters;
-}
-
 // Garanzha et al. 2021, section 4: epsilon falls faster the more the energy fell.  Their least share
 // is a tenth; with three tenths as many tets unfold, in as many iterations or fewer.
 double next_epsilon(double epsilon, double energy_ratio, double smallest_determinant) {
@@ -95,13 +84,26 @@ class Untangler {
     TetHessian hessian;
   };
 
+  // S = U B with B = relative: the derivative by coordinate i of corner c is entry (i, c) of (dS) B^T.
   TetDerivatives derivatives(const Eigen::VectorXd& rows, int tet, double epsilon) const {
-    const BarrierTerm term = barrier_term(relative_gradient(targets_, map_, rows, tet), epsilon);
-    const Eigen::Matrix<double, 9, 12> by_parameters = gradient_operator(at(targets_.relative, tet));
-    const Eigen::Map<const Eigen::Matrix<double, 9, 1>> gradient(term.gradient.data());
+    const Eigen::Matrix3d S = relative_gradient(targets_, map_, rows, tet);
+    const BarrierTerm term = barrier_term(S, epsilon);
+    const Eigen::Matrix<double, 4, 3>& relative = at(targets_.relative, tet);
     const double weight = at(targets_.weight, tet);
-    return {weight * by_parameters.transpose() * gradient,
-            weight * by_parameters.transpose() * term.hessian * by_parameters};
+    TetDerivatives found;
+    const Eigen::Matrix<double, 3, 4> by_corner = weight * term.gradient * relative.transpose();
+    found.gradient = by_corner.reshaped();
+    const TetGradient along_s = (S * relative.transpose()).eval().reshaped();
+    const TetGradient along_d = (term.cofactors * relative.transpose()).eval().reshaped();
+    const TetGradient mixed = weight * (term.mixed * along_s + term.square / 2 * along_d);
+    found.hessian = mixed * along_d.transpose();
+    found.hessian += along_d * mixed.transpose();
+    const Eigen::Matrix4d stiffness = weight * term.identity * relative * relative.transpose();
+    for (int a = 0; a < 4; ++a) {
+      for (int b = 0; b < 4; ++b)
+        found.hessian.block<3, 3>(3 * a, 3 * b).diagonal().array() += stiffness(a, b);
+    }
+    return found;
   }
 
   void assemble(const Eigen::VectorXd& columns, double epsilon) {

@@ -73,7 +73,8 @@ void test_thin_leg_survives() {
 
 void test_cylinder() {
   const FieldMesh mesh = cylinder(8, 4, 0.6);
-  const Parametrization result = map_of(mesh, 0.2);
+  const double cell_length = 0.19;  // at 0.2 two roundings cost the same but for rounding errors
+  const Parametrization result = map_of(mesh, cell_length);
   CHECK(result.verification.valid());
   CHECK(result.field.singular.arcs.size() == 4);
   for (const SingularArc& arc : result.field.singular.arcs) CHECK(arc.valence == 3);
@@ -82,7 +83,7 @@ void test_cylinder() {
   CHECK_NEAR(result.parametric_volume, std::round(result.parametric_volume), 1e-6);
   CHECK(std::lround(result.parametric_volume) % 5 == 0);
   std::mt19937_64 random(8);
-  CHECK_NEAR(map_of(relabelled(mesh, random), 0.2).parametric_volume, result.parametric_volume, 1e-6);
+  CHECK_NEAR(map_of(relabelled(mesh, random), cell_length).parametric_volume, result.parametric_volume, 1e-6);
 }
 
 void test_every_seam_is_exact() {
