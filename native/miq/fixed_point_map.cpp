@@ -13,12 +13,22 @@ int64_t whole(const std::vector<std::pair<int, int>>& terms, const Eigen::Vector
   return total;
 }
 
+// Sums of numbers below it, times 2^24 for the fraction, stay far from the ends of 64 bits.
+constexpr double largest_term = std::int64_t{1} << 36;  // cells
+
+// Infinite where the terms of a sum are too large for exact arithmetic, or are no numbers.
 double largest_parameter(const ReducedVariables& variables, const Eigen::VectorXd& real,
                          const Eigen::VectorXd& integer) {
+  if (!(integer.array().abs() < largest_term).all()) return INFINITY;
   double largest = 0;
   for (const ReducedCoordinate& x : variables.coordinates) {
     double value = x.real >= 0 ? x.sign * real[x.real] : 0.0;
-    for (const auto& [index, factor] : x.integers) value += factor * integer[index];
+    double terms = std::abs(value);
+    for (const auto& [index, factor] : x.integers) {
+      value += factor * integer[index];
+      terms += std::abs(factor * integer[index]);
+    }
+    if (!(terms < largest_term)) return INFINITY;
     largest = std::max(largest, std::abs(value));
   }
   return largest;

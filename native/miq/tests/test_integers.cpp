@@ -1,5 +1,6 @@
 // Exact integer equations and signed relations between variables.
 #include "core/testing.hpp"
+#include "miq/fixed_point_map.hpp"
 #include "miq/integer_combination.hpp"
 #include "miq/signed_relations.hpp"
 
@@ -84,6 +85,22 @@ void test_fixed_variables_bind_integers() {
   CHECK(!relations.fix(1, terms({}, 10)));
 }
 
+// Terms that would overflow one by one, though their sum is small, and what is no number.
+void test_variables_beyond_the_lattice() {
+  ReducedVariables variables;
+  variables.sector = {0};
+  variables.coordinates = {{0, 1, {{0, -1}}}, {0, 1, {}}};
+  const auto map_of = [&](double real, double integer) {
+    return fixed_point_map(variables, Eigen::VectorXd::Constant(1, real),
+                           Eigen::VectorXd::Constant(1, integer));
+  };
+  CHECK(map_of(3.5, 2).corners[0][0] == Fixed{3} << (map_of(3.5, 2).fraction_bits - 1));
+  for (const double x : {1e19, -1e300, static_cast<double>(NAN)}) {
+    CHECK_THROWS(map_of(x, x), StageError, "too many cells");
+    CHECK_THROWS(map_of(x, 0), StageError, "too many cells");
+  }
+}
+
 }  // namespace
 }  // namespace neurframe
 
@@ -95,5 +112,6 @@ int main() {
   neurframe::test_relations_carry_sign_and_offset();
   neurframe::test_opposite_signs_make_integers();
   neurframe::test_fixed_variables_bind_integers();
+  neurframe::test_variables_beyond_the_lattice();
   return neurframe::test_result();
 }
