@@ -50,10 +50,16 @@ OPTIONS = {
 def main() -> None:
     arguments = parse_arguments()
     with tempfile.TemporaryDirectory() as scratch:
-        failures = sum(
-            kill_stage(stage, arguments, Path(scratch) / stage, random.Random(arguments.seed))
-            for stage in arguments.stages
-        )
+        before = Path(scratch) / "before"
+        before.mkdir()
+        done: set[str] = set()
+        failures = 0
+        for stage in (name for name in OUTPUTS if name in arguments.stages):
+            for earlier in (name for name in BEFORE[stage] if name not in done):
+                subprocess.run(command(earlier, arguments, before), check=True)
+                done.add(earlier)
+            rng = random.Random(arguments.seed)
+            failures += kill_stage(stage, arguments, before, Path(scratch) / stage, rng)
     sys.exit(1 if failures else 0)
 
 
@@ -69,13 +75,11 @@ def parse_arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def kill_stage(stage: str, arguments: argparse.Namespace, scratch: Path, rng: random.Random) -> int:
+def kill_stage(
+    stage: str, arguments: argparse.Namespace, before: Path, scratch: Path, rng: random.Random
+) -> int:
     """Number of kills after which the second run did not end as the undisturbed one did."""
     scratch.mkdir()
-    before = scratch / "before"
-    before.mkdir()
-    for earlier in BEFORE[stage]:
-        subprocess.run(command(earlier, arguments, before), check=True)
     reference, seconds = undisturbed(stage, arguments, before, scratch / "reference")
     failures, at_work, too_late, number = 0, 0, 0, 0
     while number < arguments.kills:
