@@ -12,6 +12,10 @@ inline SignedAxis axis_of_label(int label) {
   return {label / 2, label % 2 == 0 ? 1 : -1};
 }
 
+inline int label_of(SignedAxis axis) {
+  return 2 * axis.axis + (axis.sign > 0 ? 0 : 1);
+}
+
 // Sum over the boundary's faces of the fidelity of their labels, and over its edges of the cost of the border
 // between two labels (Livesu et al. 2013, section 4).  Lengths and areas are in units of the mean face.
 class LabelEnergy {
@@ -25,6 +29,8 @@ class LabelEnergy {
   // Labels of no higher energy, by expansions of each label until none helps (Boykov, Veksler and Zabih
   // 2001).
   void lower(std::vector<int>& labels) const;
+
+  double of(const std::vector<int>& labels) const;
 
   struct Link {  // an edge of the boundary
     int face[2];
@@ -41,7 +47,6 @@ class LabelEnergy {
   Link link_of(const FieldMesh& mesh, const BoundaryEdge& edge, const LabelCosts& costs) const;
   void set_fidelity(const FieldMesh& mesh);
   bool expand(int label, std::vector<int>& labels) const;
-  double of(const std::vector<int>& labels) const;
   double fidelity_of(int face, int label) const { return at(fidelity_, label_count * face + label); }
 
   double mean_area_ = 0;

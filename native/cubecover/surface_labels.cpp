@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <set>
 
-#include "cubecover/label_energy.hpp"
-#include "cubecover/turning_borders.hpp"
+#include "cubecover/label_faults.hpp"
 
 namespace neurframe {
 
@@ -14,7 +12,8 @@ namespace {
 
 constexpr double given_up = 1e4;  // fidelity cost of a label that a patch must not have again
 constexpr int most_repairs = 12;
-constexpr int fewest_corners = 4;
+constexpr int most_relabellings = 40;  // of a few faces at a fault
+constexpr int most_mends_of_a_strip = 4;
 
 class Labelling {
  public:
@@ -31,67 +30,126 @@ class Labelling {
     std::size_t fewest = std::numeric_limits<std::size_t>::max();
     for (int repair = 0; repair <= most_repairs && fewest > 0; ++repair) {
       energy_.lower(label_);
-      const std::set<int> bad = bad_patches();
-      const std::vector<TurningBorder> turning = find_turning_borders(mesh_, edges_, axes());
-      if (bad.size() + turning.size() < fewest) best = label_;
-      fewest = std::min(fewest, bad.size() + turning.size());
-      give_up(bad);
-      if (bad.empty()) split(turning);
+      const LabelFaults faults = find_faults();
+      if (faults.count() < fewest) best = label_;
+      fewest = std::min(fewest, faults.count());
+      give_up(faults.small_patches);
+      if (faults.small_patches.empty()) split(faults.borders);
     }
     label_ = best;
+    for (int i = 0; i < most_relabellings && (mend_corners() || mend_borders()); ++i) {
+    }
   }
 
-  std::vector<SignedAxis> axes() const {
-    std::vector<SignedAxis> axes(mesh_.twin.size());
-    for (int f = 0; f < energy_.face_count(); ++f)
-      at(axes, at(energy_.half_faces, f)) = axis_of_label(at(label_, f));
-    return axes;
-  }
+  std::vector<SignedAxis> axes() const { return axes_of(energy_, label_); }
 
  private:
-  std::vector<int> patches() const {
-    std::vector<int> parent(energy_.half_faces.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int f) {
-      while (at(parent, f) != f) f = at(parent, f) = at(parent, at(parent, f));
-      return f;
-    };
-    for (const LabelEnergy::Link& link : energy_.links) {
-      if (at(label_, link.face[0]) == at(label_, link.face[1]))
-        at(parent, root(link.face[0])) = root(link.face[1]);
+  LabelFaults find_faults() const { return find_label_faults(mesh_, edges_, energy_, label_); }
+
+  struct Relabelling {
+    std::vector<int> half_faces;
+    int label;
+  };
+
+  // At an impossible corner the faces of one label may take that of others: two patches of one label that
+  // meet in the vertex are then parted by an edge, or are one patch.
+  static void add_fans(const LabelCorner& corner, const std::vector<SignedAxis>& labels,
+                       std::vector<Relabelling>& found) {
+    for (const LabelCorner::Fan& fan : corner.fans) {
+      for (const LabelCorner::Fan& other : corner.fans) {
+        const SignedAxis label = at(labels, other.half_faces.front());
+        if (!(label == at(labels, fan.half_faces.front())))
+          found.push_back({fan.half_faces, label_of(label)});
+      }
     }
-    std::vector<int> patch(energy_.half_faces.size());
-    for (int f = 0; f < energy_.face_count(); ++f) at(patch, f) = root(f);
-    return patch;
   }
 
-  // Per patch, named by one of its faces: the vertices where it meets two other patches.
-  std::vector<int> corner_counts(const std::vector<int>& patch) const {
-    std::vector<std::set<int>> around(mesh_.points.size());
-    for (int f = 0; f < energy_.face_count(); ++f) {
-      for (const int v : half_face_vertices(mesh_.tets, at(energy_.half_faces, f)))
-        at(around, v).insert(at(patch, f));
+  // Beside either part of a turning border a strip may take the third axis: the faces that touch that part,
+  // so that the strip has width everywhere.
+  void add_strips(const TurningBorder& border, const std::vector<SignedAxis>& labels,
+                  const std::vector<std::vector<int>>& faces_of_vertex,
+                  std::vector<Relabelling>& found) const {
+    const int third = 3 - border.axes[0] - border.axes[1];
+    for (std::size_t part = 0; part < 4; ++part) {
+      std::set<int> strip(border.parts[part].begin(), border.parts[part].end());
+      for (std::size_t i = 0; i < border.parts[part].size(); ++i) {
+        for (const int v : half_face_vertices(mesh_.tets, border.parts[part][i])) {
+          const std::vector<int>& around = at(faces_of_vertex, v);
+          const auto is_beside = [&](int h) {
+            return at(labels, h) == at(labels, border.parts[part][i]) ||
+                   at(labels, h) == at(labels, border.parts[part ^ 1][i]);
+          };
+          const bool on_border = std::any_of(around.begin(), around.end(), [&](int h) {
+            return at(labels, h) == at(labels, border.parts[part ^ 1][i]);
+          });
+          if (!on_border || !std::all_of(around.begin(), around.end(), is_beside)) continue;
+          for (const int h : around) {
+            if (at(labels, h) == at(labels, border.parts[part][i])) strip.insert(h);
+          }
+        }
+      }
+      for (const int label : {2 * third, 2 * third + 1})
+        found.push_back({{strip.begin(), strip.end()}, label});
     }
-    std::vector<int> corners(energy_.half_faces.size(), 0);
-    for (const std::set<int>& patches_here : around) {
-      if (patches_here.size() < 3) continue;
-      for (const int p : patches_here) ++at(corners, p);
-    }
-    return corners;
   }
 
-  std::set<int> bad_patches() const {
-    const std::vector<int> patch = patches();
-    const std::vector<int> corners = corner_counts(patch);
-    std::set<int> bad;
-    for (const int p : patch) {
-      if (at(corners, p) < fewest_corners) bad.insert(p);
+  std::vector<Relabelling> relabelled_fans(const LabelFaults& faults) const {
+    std::vector<Relabelling> found;
+    const std::vector<SignedAxis> labels = axes();
+    for (const LabelCorner& corner : faults.corners) add_fans(corner, labels, found);
+    return found;
+  }
+
+  std::vector<Relabelling> relabelled_strips(const LabelFaults& faults) const {
+    const std::vector<SignedAxis> labels = axes();
+    std::vector<std::vector<int>> faces_of_vertex(mesh_.points.size());
+    for (const int h : energy_.half_faces) {
+      for (const int v : half_face_vertices(mesh_.tets, h)) at(faces_of_vertex, v).push_back(h);
     }
-    return bad;
+    std::vector<Relabelling> found;
+    for (const TurningBorder& border : faults.borders) add_strips(border, labels, faces_of_vertex, found);
+    return found;
+  }
+
+  void apply(const Relabelling& relabelling) {
+    for (const int h : relabelling.half_faces) at(label_, at(energy_.face_of, h)) = relabelling.label;
+  }
+
+  // Of what may be labelled anew, each followed by `then`, what leaves the fewest faults, and of those the
+  // lowest energy.  Returns whether there are fewer.
+  template <class Then>
+  bool relabel(std::size_t fault_count, const std::vector<Relabelling>& choices, const Then& then) {
+    std::pair<std::size_t, double> least(fault_count, -std::numeric_limits<double>::infinity());
+    std::vector<int> best;
+    for (const Relabelling& choice : choices) {
+      const std::vector<int> before = label_;
+      apply(choice);
+      then();
+      const std::pair<std::size_t, double> found(find_faults().count(), energy_.of(label_));
+      if (found < least) least = found, best = label_;
+      label_ = before;
+    }
+    if (best.empty()) return false;
+    label_ = std::move(best);
+    return true;
+  }
+
+  bool mend_corners() {
+    const LabelFaults faults = find_faults();
+    return relabel(faults.count(), relabelled_fans(faults), [] {});
+  }
+
+  // The end of a strip may be an impossible corner itself.
+  bool mend_borders() {
+    const LabelFaults faults = find_faults();
+    return relabel(faults.count(), relabelled_strips(faults), [&] {
+      for (int i = 0; i < most_mends_of_a_strip && mend_corners(); ++i) {
+      }
+    });
   }
 
   void give_up(const std::set<int>& bad) {
-    const std::vector<int> patch = patches();
+    const std::vector<int> patch = patches_of(energy_, label_);
     for (int f = 0; f < energy_.face_count(); ++f) {
       if (bad.contains(at(patch, f))) energy_.fidelity(f, at(label_, f)) += given_up;
     }

@@ -1,7 +1,9 @@
 // Labels, borders and maps of polycubes: against closed forms and against trying everything.
 #include <algorithm>
+#include <cmath>
 
 #include "core/testing.hpp"
+#include "cubecover/label_corners.hpp"
 #include "cubecover/max_flow.hpp"
 #include "cubecover/parametrize.hpp"
 #include "cubecover/poisson.hpp"
@@ -74,6 +76,14 @@ std::vector<BoundaryEdge> boundary_edges_of(const FieldMesh& mesh) {
   return find_boundary_edges(mesh, edge_rings(mesh.tets, mesh.twin));
 }
 
+std::vector<SignedAxis> labels_by_normal(const FieldMesh& mesh) {
+  std::vector<SignedAxis> labels(mesh.twin.size());
+  for (int h = 0; h < mesh.half_face_count(); ++h) {
+    if (at(mesh.twin, h) < 0) at(labels, h) = axis_nearest(area_vector(mesh, h));
+  }
+  return labels;
+}
+
 void test_labels_of_an_l_shape_are_its_normals() {
   const FieldMesh mesh = l_shape(4, 2);
   const std::vector<SignedAxis> labels = surface_labels(mesh, boundary_edges_of(mesh), {1, 0});
@@ -87,10 +97,7 @@ void test_labels_of_an_l_shape_are_its_normals() {
 void test_turning_border_is_found() {
   const FieldMesh mesh = l_shape(4, 2);
   const std::vector<BoundaryEdge> edges = boundary_edges_of(mesh);
-  std::vector<SignedAxis> labels(mesh.twin.size());
-  for (int h = 0; h < mesh.half_face_count(); ++h) {
-    if (at(mesh.twin, h) < 0) at(labels, h) = axis_nearest(area_vector(mesh, h));
-  }
+  std::vector<SignedAxis> labels = labels_by_normal(mesh);
   CHECK(find_turning_borders(mesh, edges, labels).empty());
   for (SignedAxis& label : labels) {
     if (label == SignedAxis{2, 1}) label = {1, 1};
@@ -101,6 +108,72 @@ void test_turning_border_is_found() {
   CHECK(found[0].axes[0] + found[0].axes[1] == 1);
   CHECK(found[0].parts[0].size() == 4);  // convex: two edges along the top, two down the far side
   CHECK(found[0].parts[2].size() == 2);  // concave: two edges up the notch
+}
+
+long impossible_count(const std::vector<LabelCorner>& corners) {
+  return std::count_if(corners.begin(), corners.end(),
+                       [](const LabelCorner& corner) { return !corner.is_possible; });
+}
+
+// Top and bottom of an L have one angle of three quarter turns each, all others are right.  Seen in a mirror,
+// the labels turn the wrong way round every corner.
+void test_corners_of_an_l_shape() {
+  const FieldMesh mesh = l_shape(4, 2);
+  const std::vector<BoundaryEdge> edges = boundary_edges_of(mesh);
+  std::vector<SignedAxis> labels = labels_by_normal(mesh);
+  const std::vector<LabelCorner> corners = find_label_corners(mesh, edges, labels);
+  CHECK(corners.size() == 12);
+  CHECK(impossible_count(corners) == 0);
+  int right = 0, reflex = 0;
+  for (const LabelCorner& corner : corners) {
+    for (const LabelCorner::Fan& fan : corner.fans) {
+      CHECK(fan.least_quarter_turns == fan.most_quarter_turns);
+      right += fan.least_quarter_turns == 1 ? 1 : 0;
+      reflex += fan.least_quarter_turns == 3 ? 1 : 0;
+    }
+  }
+  CHECK(right == 34 && reflex == 2);
+  for (SignedAxis& label : labels) label.sign = label.axis == 2 ? -label.sign : label.sign;
+  CHECK(impossible_count(find_label_corners(mesh, edges, labels)) == 12);
+}
+
+// A slab with a prism on one half of it, whose side stands on the diagonal.
+FieldMesh slab_with_prism(int width) {
+  GridMesh grid = grid_mesh({width, width, 3}, keep_all);
+  std::erase_if(grid.tets, [&](const Tet& tet) {
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    for (const int v : tet) center += at(grid.points, v) / 4;
+    return center.z() > 1 && center.x() < center.y();
+  });
+  std::vector<int> number(grid.points.size(), -1);
+  std::vector<Eigen::Vector3d> points;
+  for (Tet& tet : grid.tets) {
+    for (int& v : tet) {
+      if (at(number, v) < 0)
+        at(number, v) = static_cast<int>(points.size()), points.push_back(at(grid.points, v));
+      v = at(number, v);
+    }
+  }
+  return field_mesh({points, grid.tets}, unwarped, constant_frame);
+}
+
+// Where the prism's side is labelled as the side of the slab, the two meet in a vertex, with no room for the
+// top of the slab between them.
+void test_patches_that_meet_in_a_vertex() {
+  const FieldMesh mesh = slab_with_prism(6);
+  const std::vector<BoundaryEdge> edges = boundary_edges_of(mesh);
+  std::vector<SignedAxis> labels = labels_by_normal(mesh);
+  for (int h = 0; h < mesh.half_face_count(); ++h) {
+    const bool slanted =
+        at(mesh.twin, h) < 0 && std::abs(area_vector(mesh, h).normalized().x() + std::sqrt(0.5)) < 1e-6;
+    if (slanted) at(labels, h) = {0, -1};
+  }
+  const auto is_pinch = [&](const LabelCorner& corner) {
+    return !corner.is_possible && at(mesh.points, corner.vertex) == Eigen::Vector3d(0, 0, 1);
+  };
+  const std::vector<LabelCorner> corners = find_label_corners(mesh, edges, labels);
+  CHECK(std::count_if(corners.begin(), corners.end(), is_pinch) == 1);
+  CHECK(impossible_count(find_label_corners(mesh, edges, surface_labels(mesh, edges, {1, 0}))) == 0);
 }
 
 void test_rotations_meet_their_targets() {
@@ -136,7 +209,7 @@ void test_polycube_maps() {
       polycube_map_of(relabelled(moved(box({3, 2, 4}), rotation, {100, -20, 3}), random), 0.5);
   CHECK(of_box.verification.valid());
   CHECK_NEAR(of_box.parametric_volume, 6 * 4 * 8, 1e-6);
-  CHECK_NEAR(of_box.distortion, 5, 1e-6);
+  CHECK_NEAR(of_box.distortion, 5, 1e-4);  // frames and steps are solved loosely
   const Parametrization of_l_shape = polycube_map_of(moved(l_shape(4, 2), rotation, {0, 0, 0}), 0.5);
   CHECK(of_l_shape.verification.valid());
   CHECK_NEAR(of_l_shape.parametric_volume, (8 * 8 - 4 * 4) * 4, 1e-6);
@@ -217,6 +290,8 @@ int main() {
   neurframe::test_minimum_cut();
   neurframe::test_labels_of_an_l_shape_are_its_normals();
   neurframe::test_turning_border_is_found();
+  neurframe::test_corners_of_an_l_shape();
+  neurframe::test_patches_that_meet_in_a_vertex();
   neurframe::test_rotations_meet_their_targets();
   neurframe::test_polycube_maps();
   neurframe::test_cylinder_without_singular_lines();
