@@ -28,10 +28,11 @@ constexpr int most_roundings = 4;
 // squeezed between two equal integers.
 class IntegerGrid {
  public:
-  IntegerGrid(PreparedField& prepared, const TetTargets& targets, const UntangleResult& seamless,
-              const ParametrizeOptions& options, Steps& steps)
+  IntegerGrid(PreparedField& prepared, const TetTargets& targets, const std::vector<FaceTarget>& faces,
+              const UntangleResult& seamless, const ParametrizeOptions& options, Steps& steps)
       : prepared_(prepared),
         targets_(targets),
+        faces_(faces),
         seamless_(seamless.columns),
         roundings_(seamless.after.count == 0 ? most_roundings : 1),
         options_(options),
@@ -68,8 +69,9 @@ class IntegerGrid {
       columns.tail(map_.integer_count) = integers.integers;
       return minimise(energy_, columns, map_.real_count);
     });
-    return steps_.run(0.7, "untangle integer-grid map",
-                      [&] { return untangle(targets_, map_, rounded, map_.real_count, options_.threads); });
+    return steps_.run(0.7, "untangle integer-grid map", [&] {
+      return untangle(targets_, faces_, map_, rounded, map_.real_count, options_.threads);
+    });
   }
 
   bool keep_apart(const std::vector<int>& folded_tets, const Eigen::VectorXd& columns) {
@@ -84,6 +86,7 @@ class IntegerGrid {
 
   PreparedField& prepared_;
   const TetTargets& targets_;
+  const std::vector<FaceTarget>& faces_;
   const Eigen::VectorXd& seamless_;
   int roundings_;
   const ParametrizeOptions& options_;
@@ -101,14 +104,16 @@ Parametrization solve_map(PreparedField prepared, const ParametrizeOptions& opti
   Parametrization result;
   const ReducedMap& map = prepared.map;
   const TetTargets targets = make_targets(prepared.field.mesh, options.cell_length);
+  const std::vector<FaceTarget> faces = make_face_targets(prepared.field, targets);
   const Eigen::VectorXd poisson = steps.run(0.2, "poisson", [&] {
     const Eigen::VectorXd start = Eigen::VectorXd::Zero(map.column_count());
     return minimise(quadratic_energy(targets, map, {}), start, map.column_count());
   });
   const UntangleResult seamless = steps.run(0.3, "untangle seamless map", [&] {
-    return untangle(targets, map, poisson, map.column_count(), options.threads);
+    return untangle(targets, faces, map, poisson, map.column_count(), options.threads);
   });
-  const UntangleResult unfolded = IntegerGrid(prepared, targets, seamless, options, steps).solve(result);
+  const UntangleResult unfolded =
+      IntegerGrid(prepared, targets, faces, seamless, options, steps).solve(result);
   result.flips = {seamless.before.count, seamless.after.count, unfolded.before.count, unfolded.after.count,
                   static_cast<int>(result.verification.folded_tets.size())};
   result.seamless_iterations = seamless.iterations;

@@ -18,7 +18,7 @@ constexpr int most_iterations = 50;  // sound maps took at most 10
 constexpr int patience = 6;          // iterations without a tenth fewer folded tets
 constexpr double settled = 1e-3;     // relative decrease of the energy at which an unfolded map is done
 constexpr double direction_tolerance = 1e-3;
-constexpr int block_size = 8192;  // tets whose derivatives are held at once, 10 MB
+constexpr int block_size = 8192;  // elements whose derivatives are held at once, 10 MB
 
 // Garanzha et al. 2021, section 4: epsilon falls faster the more the energy fell.  Their least share
 // is a tenth; with three tenths as many tets unfold, in as many iterations or fewer.
@@ -31,66 +31,100 @@ double next_epsilon(double epsilon, double energy_ratio, double smallest_determi
 
 class Untangler {
  public:
-  Untangler(const TetTargets& targets, const ReducedMap& map, int active, int threads)
-      : targets_(targets), map_(map), active_(active), threads_(threads), stencils_(map, active) {}
+  Untangler(const TetTargets& targets, const std::vector<FaceTarget>& faces, const ReducedMap& map,
+            int active, int threads)
+      : targets_(targets),
+        faces_(faces),
+        map_(map),
+        active_(active),
+        threads_(threads),
+        stencils_(map, active) {}
 
   UntangleResult run(const Eigen::VectorXd& start) {
     UntangleResult result{start, foldover(start), {}, 0};
     result.after = result.before;
     Eigen::VectorXd columns = start;
     double epsilon = first_epsilon;
-    int fewest = result.before.count;
+    int fewest = all_foldover(columns, result.before).count;
+    int fewest_kept = fewest;
     for (int waited = 0; result.iterations < most_iterations && waited < patience;) {
       const double ratio = newton_step(columns, epsilon);
       ++result.iterations;
       const Foldover now = foldover(columns);
-      if (now.count <= result.after.count) {
+      const auto [wrong, smallest] = all_foldover(columns, now);
+      if (wrong <= fewest_kept) {
+        fewest_kept = wrong;
         result.after = now;
         result.columns = columns;
       }
-      if (now.count == 0 && ratio > 1 - settled) break;
-      epsilon = next_epsilon(epsilon, ratio, now.smallest);
-      const bool progressed = now.count == 0 || now.count <= 0.9 * fewest;
+      if (wrong == 0 && ratio > 1 - settled) break;
+      epsilon = next_epsilon(epsilon, ratio, smallest);
+      const bool progressed = wrong == 0 || wrong <= 0.9 * fewest;
       waited = progressed ? 0 : waited + 1;
-      if (progressed) fewest = now.count;
+      if (progressed) fewest = wrong;
     }
     return result;
   }
 
  private:
   int tet_count() const { return static_cast<int>(targets_.weight.size()); }
+  int element_count() const { return tet_count() + static_cast<int>(faces_.size()); }
 
   Foldover foldover(const Eigen::VectorXd& columns) const {
     return measure_foldover(targets_, map_, evaluate(map_, columns));
   }
 
+  // Of tets and boundary faces.
+  Foldover all_foldover(const Eigen::VectorXd& columns, const Foldover& of_tets) const {
+    const Foldover of_faces = measure_turned_faces(faces_, map_, evaluate(map_, columns));
+    return {of_tets.count + of_faces.count, std::min(of_tets.smallest, of_faces.smallest)};
+  }
+
   // Summed by chunks, so that the value does not depend on the number of threads.
   double energy(const Eigen::VectorXd& columns, double epsilon) const {
     const Eigen::VectorXd rows = evaluate(map_, columns);
-    std::vector<double> sums(static_cast<std::size_t>(chunk_count(tet_count())), 0);
-    parallel_chunks(tet_count(), threads_, [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
-      for (int t = static_cast<int>(begin); t < end; ++t) {
-        sums[static_cast<std::size_t>(chunk)] +=
-            at(targets_.weight, t) * barrier_value(relative_gradient(targets_, map_, rows, t), epsilon);
-      }
+    std::vector<double> sums(static_cast<std::size_t>(chunk_count(element_count())), 0);
+    parallel_chunks(element_count(), threads_, [&](std::int64_t begin, std::int64_t end, std::int64_t chunk) {
+      for (int e = static_cast<int>(begin); e < end; ++e)
+        sums[static_cast<std::size_t>(chunk)] += value_of(rows, e, epsilon);
     });
     double sum = 0;
     for (const double part : sums) sum += part;
     return sum;
   }
 
+  // Elements are the tets and then the boundary faces.
+  double value_of(const Eigen::VectorXd& rows, int element, double epsilon) const {
+    if (element < tet_count()) {
+      return at(targets_.weight, element) *
+             barrier_value(relative_gradient(targets_, map_, rows, element), epsilon);
+    }
+    const FaceTarget& face = at(faces_, element - tet_count());
+    return face.weight * barrier_value(relative_gradient(face, map_, rows), epsilon);
+  }
+
   struct TetDerivatives {
+    int tet;
     TetGradient gradient;
     TetHessian hessian;
   };
 
   // S = U B with B = relative: the derivative by coordinate i of corner c is entry (i, c) of (dS) B^T.
-  TetDerivatives derivatives(const Eigen::VectorXd& rows, int tet, double epsilon) const {
-    const Eigen::Matrix3d S = relative_gradient(targets_, map_, rows, tet);
+  TetDerivatives derivatives(const Eigen::VectorXd& rows, int element, double epsilon) const {
+    if (element < tet_count()) {
+      return derivatives(element, relative_gradient(targets_, map_, rows, element),
+                         at(targets_.relative, element), at(targets_.weight, element), epsilon);
+    }
+    const FaceTarget& face = at(faces_, element - tet_count());
+    return derivatives(face.tet, relative_gradient(face, map_, rows), face.relative, face.weight, epsilon);
+  }
+
+  static TetDerivatives derivatives(int tet, const Eigen::Matrix3d& S,
+                                    const Eigen::Matrix<double, 4, 3>& relative, double weight,
+                                    double epsilon) {
     const BarrierTerm term = barrier_term(S, epsilon);
-    const Eigen::Matrix<double, 4, 3>& relative = at(targets_.relative, tet);
-    const double weight = at(targets_.weight, tet);
     TetDerivatives found;
+    found.tet = tet;
     const Eigen::Matrix<double, 3, 4> by_corner = weight * term.gradient * relative.transpose();
     found.gradient = by_corner.reshaped();
     const TetGradient along_s = (S * relative.transpose()).eval().reshaped();
@@ -110,13 +144,14 @@ class Untangler {
     const Eigen::VectorXd rows = evaluate(map_, columns);
     stencils_.clear();
     std::vector<TetDerivatives> block;
-    for (int first = 0; first < tet_count(); first += block_size) {
-      const int count = std::min(block_size, tet_count() - first);
+    for (int first = 0; first < element_count(); first += block_size) {
+      const int count = std::min(block_size, element_count() - first);
       block.resize(static_cast<std::size_t>(count));
       parallel_for(count, threads_, [&](std::int64_t i) {
         block[static_cast<std::size_t>(i)] = derivatives(rows, first + static_cast<int>(i), epsilon);
       });
-      for (int i = 0; i < count; ++i) stencils_.add(first + i, at(block, i).gradient, at(block, i).hessian);
+      for (int i = 0; i < count; ++i)
+        stencils_.add(at(block, i).tet, at(block, i).gradient, at(block, i).hessian);
     }
   }
 
@@ -139,6 +174,7 @@ class Untangler {
   }
 
   const TetTargets& targets_;
+  const std::vector<FaceTarget>& faces_;
   const ReducedMap& map_;
   int active_;
   int threads_;
@@ -147,13 +183,13 @@ class Untangler {
 
 }  // namespace
 
-UntangleResult untangle(const TetTargets& targets, const ReducedMap& map, const Eigen::VectorXd& columns,
-                        int active, int threads) {
+UntangleResult untangle(const TetTargets& targets, const std::vector<FaceTarget>& faces,
+                        const ReducedMap& map, const Eigen::VectorXd& columns, int active, int threads) {
   if (active == 0) {
     const Foldover foldover = measure_foldover(targets, map, evaluate(map, columns));
     return {columns, foldover, foldover, 0};
   }
-  return Untangler(targets, map, active, threads).run(columns);
+  return Untangler(targets, faces, map, active, threads).run(columns);
 }
 
 }  // namespace neurframe

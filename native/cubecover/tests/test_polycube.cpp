@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/testing.hpp"
+#include "cubecover/face_targets.hpp"
 #include "cubecover/label_corners.hpp"
 #include "cubecover/max_flow.hpp"
 #include "cubecover/parametrize.hpp"
@@ -176,6 +177,23 @@ void test_patches_that_meet_in_a_vertex() {
   CHECK(impossible_count(find_label_corners(mesh, edges, surface_labels(mesh, edges, {1, 0}))) == 0);
 }
 
+// With one coordinate mirrored, the faces that it runs along are seen from inside.
+void test_turned_faces() {
+  const PreparedField prepared = prepare(box({3, 2, 2}), Preparation{});
+  const ReducedMap& map = prepared.map;
+  const TetTargets targets = make_targets(prepared.field.mesh, 0.5);
+  const std::vector<FaceTarget> faces = make_face_targets(prepared.field, targets);
+  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(map.column_count());
+  Eigen::VectorXd rows =
+      evaluate(map, minimise(quadratic_energy(targets, map, {}), nothing, map.column_count()));
+  CHECK(measure_turned_faces(faces, map, rows).count == 0);
+  CHECK_NEAR(measure_turned_faces(faces, map, rows).smallest, 1, 1e-6);
+  int along = 0;
+  for (const SignedAxis& outward : prepared.field.boundary_axis) along += outward.axis > 0 ? 1 : 0;
+  for (Eigen::Index row = 0; row < rows.size(); row += 3) rows(row) = -rows(row);
+  CHECK(measure_turned_faces(faces, map, rows).count == along);
+}
+
 void test_rotations_meet_their_targets() {
   const FieldMesh mesh = box({4, 2, 2});
   const Eigen::Matrix3d straight = Eigen::Matrix3d::Identity();
@@ -292,6 +310,7 @@ int main() {
   neurframe::test_turning_border_is_found();
   neurframe::test_corners_of_an_l_shape();
   neurframe::test_patches_that_meet_in_a_vertex();
+  neurframe::test_turned_faces();
   neurframe::test_rotations_meet_their_targets();
   neurframe::test_polycube_maps();
   neurframe::test_cylinder_without_singular_lines();
