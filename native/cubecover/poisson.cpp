@@ -40,7 +40,7 @@ Eigen::VectorXd minimise(const QuadraticEnergy& energy, const Eigen::VectorXd& c
   const Eigen::VectorXd right_side =
       energy.right_side.head(active) - energy.hessian.topRightCorner(active, rest) * columns.tail(rest);
   Eigen::VectorXd minimum = columns;
-  minimum.head(active) = SpdSolver(energy.hessian.topLeftCorner(active, active)).solve(right_side);
+  minimum.head(active) = SpdSolver(energy.hessian.topLeftCorner(active, active), 1).solve(right_side);
   return minimum;
 }
 

@@ -9,7 +9,7 @@ Eigen::MatrixXd schur_complement(const QuadraticEnergy& energy, int real_count) 
   const Eigen::Index integers = energy.right_side.size() - real_count;
   const SparseMatrix coupling = energy.hessian.topRightCorner(real_count, integers);
   Eigen::MatrixXd schur = energy.hessian.bottomRightCorner(integers, integers);
-  const SpdSolver solver(energy.hessian.topLeftCorner(real_count, real_count));
+  const SpdSolver solver(energy.hessian.topLeftCorner(real_count, real_count), integers);
   for (Eigen::Index i = 0; i < integers; ++i) {
     const Eigen::VectorXd response = solver.solve(coupling.col(i));
     schur.col(i) -= coupling.transpose() * response;

@@ -9,12 +9,12 @@ namespace neurframe {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-// Solves with a Cholesky factorisation while that is cheap, with conjugate gradients for large systems.  Only
-// the lower triangle of the matrix is read.
+// Solves with a Cholesky factorisation while that is cheap for so many right sides, with conjugate gradients
+// otherwise.  Only the lower triangle of the matrix is read.
 class SpdSolver {
  public:
   // Raises StageError when the matrix is not positive definite.
-  explicit SpdSolver(SparseMatrix lower);
+  SpdSolver(SparseMatrix lower, Eigen::Index systems);
   ~SpdSolver();
 
   Eigen::VectorXd solve(const Eigen::VectorXd& right_side) const;

@@ -69,6 +69,24 @@ void test_identity_is_the_minimum() {
   }
 }
 
+// A chain of springs held at one end, stretched by one at each joint: too long to be factored for one system.
+void test_large_systems_have_the_same_solution() {
+  const Eigen::Index length = 20001;
+  std::vector<Eigen::Triplet<double>> springs;
+  for (Eigen::Index i = 0; i < length; ++i) {
+    springs.emplace_back(i, i, i + 1 < length ? 2 : 1);
+    if (i > 0) springs.emplace_back(i, i - 1, -1);
+  }
+  SparseMatrix chain(length, length);
+  chain.setFromTriplets(springs.begin(), springs.end());
+  const Eigen::VectorXd pull = Eigen::VectorXd::Unit(length, length - 1);
+  for (const Eigen::Index systems : {1, 1000}) {
+    const Eigen::VectorXd moved = SpdSolver(chain, systems).solve(pull);
+    CHECK_NEAR(moved(0), 1, 1e-6);
+    CHECK_NEAR(moved(length - 1), static_cast<double>(length), 1e-3);
+  }
+}
+
 // Rounding errors may leave a Schur complement that is not positive: the search for integers ends all the
 // same.
 void test_integers_of_an_indefinite_energy() {
@@ -87,6 +105,7 @@ int main() {
   neurframe::test_hessian_is_positive();
   neurframe::test_hessian_is_the_second_derivative();
   neurframe::test_identity_is_the_minimum();
+  neurframe::test_large_systems_have_the_same_solution();
   neurframe::test_integers_of_an_indefinite_energy();
   return neurframe::test_result();
 }
