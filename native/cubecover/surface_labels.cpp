@@ -14,6 +14,8 @@ constexpr double given_up = 1e4;  // fidelity cost of a label that a patch must 
 constexpr int most_repairs = 12;
 constexpr int most_relabellings = 40;  // of a few faces at a fault
 constexpr int most_mends_of_a_strip = 4;
+constexpr std::size_t most_faults_to_mend = 20;  // more are no accident of a few faces
+constexpr int relabelling_budget = 1000000;  // boundary faces that may be judged again, all choices together
 
 class Labelling {
  public:
@@ -37,6 +39,7 @@ class Labelling {
       if (faults.small_patches.empty()) split(faults.borders);
     }
     label_ = best;
+    if (fewest > most_faults_to_mend) return;
     for (int i = 0; i < most_relabellings && (mend_corners() || mend_borders()); ++i) {
     }
   }
@@ -122,6 +125,8 @@ class Labelling {
     std::pair<std::size_t, double> least(fault_count, -std::numeric_limits<double>::infinity());
     std::vector<int> best;
     for (const Relabelling& choice : choices) {
+      if (faces_left_ < 0) break;
+      faces_left_ -= energy_.face_count();
       const std::vector<int> before = label_;
       apply(choice);
       then();
@@ -200,6 +205,7 @@ class Labelling {
   const std::vector<BoundaryEdge>& edges_;
   LabelEnergy energy_;
   std::vector<int> label_;
+  int faces_left_ = relabelling_budget;
   std::vector<char> forced_;  // per face: its axis was chosen to end a turning border
 };
 
