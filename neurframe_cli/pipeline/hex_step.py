@@ -93,6 +93,7 @@ POLYCUBE = "the learned field carries no map here: the hexes follow a polycube, 
 TROUBLE_PICTURE = "hex-trouble.png"
 HEX = MeshKind(
     name="hex",
+    version=2,
     map_name="map.hexex",
     outputs=("hex.vtk", "hex.mesh"),
     extractor="hexex",

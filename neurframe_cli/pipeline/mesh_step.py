@@ -72,11 +72,13 @@ def nothing_more(
 class MeshKind:
     """How one kind of mesh is made.
 
-    outputs: its files in the workspace, the first one is read back for the check; pictures: file by name of the
-    drawing; extractor: the program that reads the map; extras: files that `complete` may write.
+    version: that of its Step, raised too where the programs make other maps; outputs: its files in the workspace, the
+    first one is read back for the check; pictures: file by name of the drawing; extractor: the program that reads the
+    map; extras: files that `complete` may write.
     """
 
     name: Literal["quad", "hex"]
+    version: int
     map_name: str
     outputs: tuple[str, ...]
     extractor: str
@@ -115,7 +117,7 @@ def mesh_step(
 
     return Step(
         name=kind.name,
-        version=1,
+        version=kind.version,
         inputs=inputs,
         outputs=(kind.map_name, *kind.outputs, *kind.pictures.values(), *kind.extras),
         options={
