@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from smooth_shapes import cube_hexes, grid_hexes, sphere_hexes
 
+from neurframe_cli.errors import StageError
 from neurframe_cli.mesh.arrays import Floats, Ints, Surface
 from neurframe_cli.mesh.finer_map import write_finer_map
 from neurframe_cli.mesh.hex_shell import hex_shell
@@ -47,13 +48,14 @@ def test_a_mesh_that_is_too_coarse_for_its_surface_is_split(n: int, limit: float
         progress=lambda fraction, text: fractions.append(fraction),
     )
     assert fractions == sorted(fractions)
-    assert made.report["smoothing"]["after"]["hausdorff"] > limit
     assert len(made.cells) == len(shape.cells) * (times or 1) ** 3
     tried = made.report["splitting"]
-    assert [attempt["times"] for attempt in tried] == list(range(2, (times or 3) + 1))
-    assert [attempt["kept"] for attempt in tried] == [attempt["times"] == times for attempt in tried]
+    assert [attempt["times"] for attempt in tried] == list(range(1, (times or 3) + 1))
+    assert [attempt["kept"] for attempt in tried] == [attempt["times"] == (times or 1) for attempt in tried]
+    assert tried[0]["smoothing"]["after"]["hausdorff"] > limit
     if times:
-        assert tried[-1]["smoothing"]["after"]["hausdorff"] <= limit
+        assert made.report["smoothing"] == tried[-1]["smoothing"]
+        assert made.report["smoothing"]["after"]["hausdorff"] <= limit
         assert hex_scaled_jacobians(made.V, made.cells).min() > 0
         assert f"{n**3} hexes were too coarse" in made.warnings[0]
 
@@ -87,6 +89,18 @@ def test_hexes_that_touch_in_an_edge_only_are_taken_apart() -> None:
     np.testing.assert_array_equal(apart[cells], V[pinched])
 
 
+def test_the_first_hexes_stay_where_finer_ones_cannot_be_had() -> None:
+    shape = sphere_hexes(2)
+    options = FinishOptions(padding=False, smoothing=SmoothOptions(hausdorff_limit=0.012))
+
+    def finer(times: int) -> tuple[Floats, Ints]:
+        raise StageError("no memory left")
+
+    made = finish_hexes(shape.V, shape.cells, shape.surface, shape.features, options, finer)
+    assert len(made.cells) == len(shape.cells)
+    assert made.warnings == ("2 times as many hexes along each edge could not be had: no memory left",)
+
+
 def balls(n: int) -> tuple[Floats, Ints]:
     shape = sphere_hexes(n)
     return shape.V, shape.cells
@@ -110,5 +124,8 @@ def test_a_finer_map_has_every_parameter_times_as_large(tmp_path: Path) -> None:
     write_finer_map(source, target, 3)
     assert target.read_text().splitlines()[:-1] == source.read_text().splitlines()[:-1]
     words = target.read_text().splitlines()[-1].split()
+    target.write_text("no map")
+    with pytest.raises(StageError, match=r"finer.hexex cannot be made finer"):
+        write_finer_map(target, tmp_path / "finest.hexex", 2)
     assert words[:4] == ["0", "1", "2", "3"]
     assert [float(word) for word in words[4:]] == [0, 0, 0, 1.5, 0, 0, 0, -1, 0, 0, 0, 0.003]

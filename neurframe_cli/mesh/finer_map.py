@@ -5,6 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 from pathlib import Path
 
+from neurframe_cli.errors import StageError
+
 INDICES = 4  # of a tet's line; the parameters follow
 
 
@@ -12,11 +14,18 @@ def write_finer_map(source: Path, target: Path, times: int) -> None:
     """Write the map of a .hexex file with all parameters multiplied by `times`, a whole number.
 
     Multiples of integers are integers: the map stays an integer-grid map, and every cell falls into times³.  Parameters
-    may be decimals or exact fractions `a/b`.  Raises ValueError or IndexError where `source` is no such file.
+    may be decimals or exact fractions `a/b`.  Raises StageError where `source` is not laid out so, a line a vertex and a
+    line a tet.
     """
     lines = source.read_text().splitlines()
-    vertices = int(lines[0])
-    first = vertices + 2
+    try:
+        _write(lines, target, times)
+    except (ValueError, IndexError) as error:
+        raise StageError(f"{source.name} cannot be made finer: {error}") from error
+
+
+def _write(lines: list[str], target: Path, times: int) -> None:
+    first = int(lines[0]) + 2
     tets = int(lines[first - 1])
     with target.open("w") as out:
         out.writelines(f"{line}\n" for line in lines[:first])

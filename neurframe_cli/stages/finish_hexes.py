@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from neurframe_cli.errors import NotValid, StageError
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part, silent
 from neurframe_cli.mesh.optimize.smooth import BAD, MeshNumbers, SmoothedMesh, SmoothOptions
 from neurframe_cli.mesh.pinches import has_topology_of, separate_pinches
@@ -19,7 +20,7 @@ from neurframe_cli.stages.smooth_hexes import smooth_hexes
 POOR = 0.2  # worst scaled Jacobian, below which a layer of hexes is tried
 MOST_TO_SPLIT = {2: 25_000, 3: 1_000}  # hexes that are split so many times; a finer mesh is not too coarse
 
-# (V, H) of the same map with so many hexes along each edge of a hex
+# (V, H) of the same map with so many hexes along each edge of a hex; raises StageError or NotValid if there are none
 FinerHexes = Callable[[int], tuple[Floats, Ints]]
 
 
@@ -35,7 +36,8 @@ class FinishOptions:
 
 @dataclass(frozen=True)
 class FinishedHexes:
-    """V (n,3), cells (h,8); report: what each step did; warnings: what the user should know."""
+    """V (n,3), cells (h,8); report: what each step did for them, and with `splitting`, the attempts at finer ones, that
+    at the first ones before; warnings: what the user should know."""
 
     V: Floats
     cells: Ints
@@ -68,7 +70,7 @@ def finish_hexes(
     finisher = _Finisher(surface, features, options)
     hexes, report = finisher.finished(V, H, part(progress, 0.0, 0.4))
     if options.splitting and hexes.whole and not finisher.is_fine(hexes):
-        hexes, report["splitting"] = finisher.split(hexes, len(H), finer, part(progress, 0.4, 1.0))
+        hexes, report = finisher.split(hexes, report, len(H), finer, part(progress, 0.4, 1.0))
     return FinishedHexes(hexes.smoothed.V, hexes.cells, report, tuple(finisher.warnings))
 
 
@@ -110,13 +112,19 @@ class _Finisher:
         return (*apart, True) if has_topology_of(apart[1], self.surface) else (V, H, False)
 
     def split(
-        self, hexes: _Hexes, count: int, finer: FinerHexes, progress: Progress
-    ) -> tuple[_Hexes, list[dict[str, Any]]]:
-        """The coarsest of the finer meshes that is fine, or `hexes`, of a map with `count` of them."""
-        tried: list[dict[str, Any]] = []
+        self, hexes: _Hexes, first: dict[str, Any], count: int, finer: FinerHexes, progress: Progress
+    ) -> tuple[_Hexes, dict[str, Any]]:
+        """The coarsest of the finer meshes that is fine, or `hexes`, of a map with `count` of them, whose report is
+        `first`; with the report of what is returned."""
+        tried: list[dict[str, Any]] = [{"times": 1, "kept": False, **first}]
         for number, times in enumerate(t for t, most in MOST_TO_SPLIT.items() if count <= most):
             steps = part(progress, number / len(MOST_TO_SPLIT), (number + 1) / len(MOST_TO_SPLIT))
-            result, report = self.finished(*finer(times), steps)
+            try:
+                finer_hexes = finer(times)
+            except (StageError, NotValid) as error:
+                self.warnings.append(f"{times} times as many hexes along each edge could not be had: {error}")
+                break
+            result, report = self.finished(*finer_hexes, steps)
             kept = self.is_fine(result)
             tried.append({"times": times, "kept": kept, **report})
             if kept:
@@ -125,5 +133,6 @@ class _Finisher:
                     f"{100 * hexes.numbers.hausdorff:.2f} % of the diagonal, worst scaled Jacobian "
                     f"{hexes.numbers.min_scaled_jacobian:.3f}): each is split {times} times along each edge"
                 )
-                return result, tried
-        return hexes, tried
+                return result, {**report, "splitting": tried}
+        tried[0]["kept"] = True
+        return hexes, {**first, "splitting": tried}
