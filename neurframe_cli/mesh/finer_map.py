@@ -14,8 +14,8 @@ def write_finer_map(source: Path, target: Path, times: int) -> None:
     """Write the map of a .hexex file with all parameters multiplied by `times`, a whole number.
 
     Multiples of integers are integers: the map stays an integer-grid map, and every cell falls into times³.  Parameters
-    may be decimals or exact fractions `a/b`.  Raises StageError where `source` is not laid out so, a line a vertex and a
-    line a tet.
+    may be decimals or exact fractions `a/b`.  Raises StageError where `source` is not laid out so: a line for each
+    vertex and each tet, with their numbers before.
     """
     lines = source.read_text().splitlines()
     try:
