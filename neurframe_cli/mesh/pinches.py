@@ -6,18 +6,14 @@ import numpy as np
 
 from neurframe_cli.mesh.arrays import Floats, Ints, Surface
 from neurframe_cli.mesh.hex_shell import HEX_FACES, hex_shell
-from neurframe_cli.mesh.quality.polygons import count_components, euler_characteristic, unique_edges
+from neurframe_cli.mesh.quality.polygons import topology, unique_edges
 
 
 def has_topology_of(H: Ints, surface: Surface) -> bool:
     """Whether the shell of the hexes H (h,8) is closed, no edge in more than two of its quads, and has the components
     and the Euler characteristic of the surface."""
     quads = hex_shell(H).quads
-    edges, use = unique_edges(quads)
-    if not (use == 2).all():
-        return False
-    expected = count_components(unique_edges(surface.F)[0]), euler_characteristic(surface.F)
-    return (count_components(edges), euler_characteristic(quads)) == expected
+    return bool((unique_edges(quads)[1] == 2).all()) and topology(quads) == topology(surface.F)
 
 
 def separate_pinches(V: Floats, H: Ints) -> tuple[Floats, Ints]:

@@ -13,8 +13,7 @@ from neurframe_cli.mesh.quality.distance import SurfaceDistance, surface_distanc
 from neurframe_cli.mesh.quality.feature_recall import feature_recall
 from neurframe_cli.mesh.quality.hex_singular_graph import hex_singular_graph
 from neurframe_cli.mesh.quality.polygons import (
-    count_components,
-    euler_characteristic,
+    topology,
     triangulated,
     unique_edges,
     valences,
@@ -144,18 +143,17 @@ def _conclude(
     median_edge = float(np.median(np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1)))
     if numbers["inverted"]:
         problems.append(f"{numbers['inverted']} cells with a corner Jacobian <= 0")
-    topology = (count_components(edges), euler_characteristic(Q))
-    expected = (count_components(unique_edges(against.F)[0]), euler_characteristic(against.F))
-    if topology != expected:
-        problems.append(f"components, Euler characteristic {topology} instead of {expected}")
+    found, expected = topology(Q), topology(against.F)
+    if found != expected:
+        problems.append(f"components, Euler characteristic {found} instead of {expected}")
     rng = np.random.default_rng(options.seed)
     distance = _worse_distance(V, Q, against, options.samples, rng)
     if distance.hausdorff > options.hausdorff_limit * diagonal:
         problems.append(f"Hausdorff distance {distance.hausdorff / diagonal:.4f} of the diagonal")
     tolerance = options.recall_tolerance * median_edge
     numbers |= {
-        "components": topology[0],
-        "euler_characteristic": topology[1],
+        "components": found[0],
+        "euler_characteristic": found[1],
         "hausdorff": distance.hausdorff / diagonal,
         "mean_distance": distance.mean / diagonal,
         "median_edge": median_edge / diagonal,

@@ -11,10 +11,8 @@ from neurframe_cli.mesh.filling.hybrid_mesh import HybridMesh, measure_hybrid, o
 from neurframe_cli.mesh.quality.check import CheckOptions, Verdict, enclosed_volume
 from neurframe_cli.mesh.quality.distance import surface_distance
 from neurframe_cli.mesh.quality.polygons import (
-    count_components,
-    euler_characteristic,
+    topology,
     triangulated,
-    unique_edges,
 )
 
 VOLUME_TOLERANCE = (
@@ -34,24 +32,23 @@ def check_hybrid(mesh: HybridMesh, against: Surface, options: CheckOptions) -> V
     distance = surface_distance(Surface(mesh.V, F), against, options.samples, rng)
     diagonal = float(np.linalg.norm(np.ptp(against.V[np.unique(against.F)], axis=0)))
     ratio = measured.volume / enclosed_volume(against.V, against.F)
-    topology = (count_components(unique_edges(F)[0]), euler_characteristic(F))
-    expected = (count_components(unique_edges(against.F)[0]), euler_characteristic(against.F))
+    found, expected = topology(F), topology(against.F)
     counts = {
         "faces that do not conform": measured.nonconforming_faces,
         "edges of the outside that are open": measured.open_edges,
         "cells with a Jacobian or volume <= 0": measured.inverted,
     }
     problems = [f"{count} {what}" for what, count in counts.items() if count]
-    if topology != expected:
-        problems.append(f"components, Euler characteristic {topology} instead of {expected}")
+    if found != expected:
+        problems.append(f"components, Euler characteristic {found} instead of {expected}")
     if abs(ratio - 1.0) > VOLUME_TOLERANCE:
         problems.append(f"{ratio:.3f} of the volume of the input")
     numbers = {
         "kind": "hybrid",
         **asdict(measured),
         "volume_ratio": ratio,
-        "components": topology[0],
-        "euler_characteristic": topology[1],
+        "components": found[0],
+        "euler_characteristic": found[1],
         "hausdorff": distance.hausdorff / diagonal,
         "mean_distance": distance.mean / diagonal,
     }

@@ -35,6 +35,11 @@ def euler_characteristic(faces: Ints) -> int:
     return len(np.unique(faces)) - len(unique_edges(faces)[0]) + len(faces)
 
 
+def topology(faces: Ints) -> tuple[int, int]:
+    """Connected components and Euler characteristic of the polygons (n,k)."""
+    return count_components(unique_edges(faces)[0]), euler_characteristic(faces)
+
+
 def triangulated(quads: Ints) -> Ints:
     """Two triangles a quad (2n,3), first diagonal."""
     return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
