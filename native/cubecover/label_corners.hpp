@@ -11,12 +11,15 @@ struct LabelCorner {
   // counter-clockwise as seen from outside.
   struct Fan {
     std::vector<int> half_faces;
+    double angle = 0;             // radians
     int least_quarter_turns = 0;  // the angle of its image
     int most_quarter_turns = 0;
   };
   int vertex;
   std::vector<Fan> fans;
   bool is_possible = false;  // whether labels follow each other like this at any vertex of a polycube
+  double stretch =
+      0;  // radians by which its angles differ from those of the most similar such vertex, in all
 };
 
 // A vertex of a polycube is the common corner of one to seven octants, whose boundary is a disc: what cannot

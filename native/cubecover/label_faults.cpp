@@ -116,9 +116,11 @@ LabelFaults find_label_faults(const FieldMesh& mesh, const std::vector<BoundaryE
   const std::vector<int> patch = patches_of(energy, labels);
   std::vector<LabelCorner> corners = find_label_corners(mesh, edges, axes);
   const std::set<int> bent = bent_patches(mesh, energy, patch, corners);
+  double stretch = 0;
+  for (const LabelCorner& corner : corners) stretch += corner.stretch;
   std::erase_if(corners, [](const LabelCorner& corner) { return corner.is_possible; });
   return {small_patches(mesh, energy, patch), find_turning_borders(mesh, edges, axes), std::move(corners),
-          bent};
+          bent, stretch};
 }
 
 }  // namespace neurframe

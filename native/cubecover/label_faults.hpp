@@ -15,6 +15,7 @@ struct LabelFaults {
   std::vector<TurningBorder> borders;
   std::vector<LabelCorner> corners;  // impossible ones
   std::set<int> bent_patches;  // whose angles at the corners do not close to an outline of straight edges
+  double stretch = 0;          // radians, of all possible corners
 
   std::size_t count() const {
     return small_patches.size() + borders.size() + corners.size() + bent_patches.size();

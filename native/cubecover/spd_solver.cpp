@@ -4,8 +4,6 @@
 #include <Eigen/SparseCholesky>
 #include <utility>
 
-#include "core/errors.hpp"
-
 namespace neurframe {
 
 namespace {
@@ -35,13 +33,12 @@ SpdSolver::SpdSolver(SparseMatrix lower, Eigen::Index systems)
   if (self.matrix.rows() == 0) return;
   if (self.factored) {
     self.factorisation.compute(self.matrix);
-    const bool positive =
+    self.factored =
         self.factorisation.info() == Eigen::Success && self.factorisation.vectorD().minCoeff() > 0;
-    if (!positive) throw StageError("the Laplacian of the map is singular: a part of the mesh is not held");
-  } else {
-    self.iteration.setTolerance(1e-10);
-    self.iteration.compute(self.matrix);
   }
+  if (self.factored) return;
+  self.iteration.setTolerance(1e-10);
+  self.iteration.compute(self.matrix);
 }
 
 SpdSolver::~SpdSolver() = default;

@@ -10,10 +10,10 @@ namespace neurframe {
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
 // Solves with a Cholesky factorisation while that is cheap for so many right sides, with conjugate gradients
-// otherwise.  Only the lower triangle of the matrix is read.
+// otherwise, and where rounding makes the matrix indefinite, as flat tets do whose weights differ by the
+// precision of a double.  Only the lower triangle of the matrix is read.
 class SpdSolver {
  public:
-  // Raises StageError when the matrix is not positive definite.
   SpdSolver(SparseMatrix lower, Eigen::Index systems);
   ~SpdSolver();
 

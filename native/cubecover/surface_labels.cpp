@@ -15,6 +15,7 @@ constexpr int most_repairs = 12;
 constexpr int most_relabellings = 40;  // of a few faces at a fault
 constexpr int most_mends_of_a_strip = 4;
 constexpr std::size_t most_faults_to_mend = 20;  // more are no accident of a few faces
+constexpr double stretch_cost = 2;               // of a radian at a corner; one face across is about 1
 constexpr int relabelling_budget = 1000000;  // boundary faces that may be judged again, all choices together
 
 class Labelling {
@@ -119,7 +120,7 @@ class Labelling {
   }
 
   // Of what may be labelled anew, each followed by `then`, what leaves the fewest faults, and of those the
-  // lowest energy.  Returns whether there are fewer.
+  // lowest energy, stretched corners included.  Returns whether there are fewer.
   template <class Then>
   bool relabel(std::size_t fault_count, const std::vector<Relabelling>& choices, const Then& then) {
     std::pair<std::size_t, double> least(fault_count, -std::numeric_limits<double>::infinity());
@@ -130,7 +131,9 @@ class Labelling {
       const std::vector<int> before = label_;
       apply(choice);
       then();
-      const std::pair<std::size_t, double> found(find_faults().count(), energy_.of(label_));
+      const LabelFaults left = find_faults();
+      const std::pair<std::size_t, double> found(left.count(),
+                                                 energy_.of(label_) + stretch_cost * left.stretch);
       if (found < least) least = found, best = label_;
       label_ = before;
     }

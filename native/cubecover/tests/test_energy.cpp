@@ -87,6 +87,22 @@ void test_large_systems_have_the_same_solution() {
   }
 }
 
+// A ring of springs that nothing holds: its matrix has no factorisation with positive pivots, rounding apart.
+void test_systems_on_the_edge_of_definite() {
+  const Eigen::Index length = 50;
+  SparseMatrix ring(length, length);
+  std::vector<Eigen::Triplet<double>> springs;
+  for (Eigen::Index i = 0; i < length; ++i) {
+    springs.emplace_back(i, i, 2 - 1e-15);
+    if (i > 0) springs.emplace_back(i, i - 1, -1);
+  }
+  springs.emplace_back(length - 1, 0, -1);
+  ring.setFromTriplets(springs.begin(), springs.end());
+  Eigen::VectorXd pull = Eigen::VectorXd::Unit(length, 25) - Eigen::VectorXd::Unit(length, 0);
+  const Eigen::VectorXd moved = SpdSolver(ring, 1).solve(pull);
+  CHECK_NEAR(moved(25) - moved(0), 12.5, 1e-3);
+}
+
 // Rounding errors may leave a Schur complement that is not positive: the search for integers ends all the
 // same.
 void test_integers_of_an_indefinite_energy() {
@@ -106,6 +122,7 @@ int main() {
   neurframe::test_hessian_is_the_second_derivative();
   neurframe::test_identity_is_the_minimum();
   neurframe::test_large_systems_have_the_same_solution();
+  neurframe::test_systems_on_the_edge_of_definite();
   neurframe::test_integers_of_an_indefinite_energy();
   return neurframe::test_result();
 }

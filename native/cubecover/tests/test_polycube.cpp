@@ -1,6 +1,7 @@
 // Labels, borders and maps of polycubes: against closed forms and against trying everything.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/testing.hpp"
 #include "cubecover/face_targets.hpp"
@@ -117,7 +118,7 @@ long impossible_count(const std::vector<LabelCorner>& corners) {
 }
 
 // Top and bottom of an L have one angle of three quarter turns each, all others are right.  Seen in a mirror,
-// the labels turn the wrong way round every corner.
+// the labels turn the wrong way round every corner; turned by half a turn, they make the edges run backwards.
 void test_corners_of_an_l_shape() {
   const FieldMesh mesh = l_shape(4, 2);
   const std::vector<BoundaryEdge> edges = boundary_edges_of(mesh);
@@ -127,6 +128,7 @@ void test_corners_of_an_l_shape() {
   CHECK(impossible_count(corners) == 0);
   int right = 0, reflex = 0;
   for (const LabelCorner& corner : corners) {
+    CHECK_NEAR(corner.stretch, 0, 1e-9);
     for (const LabelCorner::Fan& fan : corner.fans) {
       CHECK(fan.least_quarter_turns == fan.most_quarter_turns);
       right += fan.least_quarter_turns == 1 ? 1 : 0;
@@ -134,6 +136,9 @@ void test_corners_of_an_l_shape() {
     }
   }
   CHECK(right == 34 && reflex == 2);
+  std::vector<SignedAxis> turned = labels;
+  for (SignedAxis& label : turned) label.sign = label.axis != 2 ? -label.sign : label.sign;
+  CHECK(impossible_count(find_label_corners(mesh, edges, turned)) == 12);
   for (SignedAxis& label : labels) label.sign = label.axis == 2 ? -label.sign : label.sign;
   CHECK(impossible_count(find_label_corners(mesh, edges, labels)) == 12);
 }
@@ -175,6 +180,19 @@ void test_patches_that_meet_in_a_vertex() {
   const std::vector<LabelCorner> corners = find_label_corners(mesh, edges, labels);
   CHECK(std::count_if(corners.begin(), corners.end(), is_pinch) == 1);
   CHECK(impossible_count(find_label_corners(mesh, edges, surface_labels(mesh, edges, {1, 0}))) == 0);
+}
+
+// A corner of 45 degrees, which a polycube opens to 90.
+void test_stretch_of_a_prism() {
+  const FieldMesh mesh = slab_with_prism(6);
+  const std::vector<BoundaryEdge> edges = boundary_edges_of(mesh);
+  const std::vector<LabelCorner> corners =
+      find_label_corners(mesh, edges, surface_labels(mesh, edges, {1, 0}));
+  const auto tip = std::find_if(corners.begin(), corners.end(), [&](const LabelCorner& corner) {
+    return at(mesh.points, corner.vertex) == Eigen::Vector3d(0, 0, 3);
+  });
+  CHECK(tip != corners.end());
+  if (tip != corners.end()) CHECK_NEAR(tip->stretch, std::numbers::pi / 4, 1e-9);
 }
 
 // With one coordinate mirrored, the faces that it runs along are seen from inside.
@@ -310,6 +328,7 @@ int main() {
   neurframe::test_turning_border_is_found();
   neurframe::test_corners_of_an_l_shape();
   neurframe::test_patches_that_meet_in_a_vertex();
+  neurframe::test_stretch_of_a_prism();
   neurframe::test_turned_faces();
   neurframe::test_rotations_meet_their_targets();
   neurframe::test_polycube_maps();
