@@ -7,8 +7,10 @@ Between the two lies the minimum of
     E(x) + w/2 sum_i c_i |x_i - p_i|²
 
 with the corner energy E, a barrier once nothing is inverted, the places p_i where the constraints want the vertices,
-and the curvatures c_i of E.  The smallest weight w that brings the mesh near enough leaves the best hexes.  A mesh that
-is near already starts with a large one, or its vertices would slide along the surface to where they leave gaps.
+and the curvatures c_i of E.  The smallest weight w that brings the mesh near enough leaves the best hexes.  At first
+the places are those of the vertices at the start: without weight the mesh shrinks away from the surface to untangle,
+and what is nearest there is not where it came from.  Near the surface the places slide along it.  A mesh that is near
+already starts with a large weight, or its vertices would slide to where they leave gaps.
 """
 
 from __future__ import annotations
@@ -24,26 +26,33 @@ from neurframe_cli.mesh.optimize.improve import BARRIER_FROM, Improver, State
 from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise
 
 FIRST, LAST, GROWTH = 0.1, 1e5, 4.0  # weights of the penalty
+NEARLY = 1.02  # times the least distance: what comes after makes hexes worse and the mesh hardly nearer
+SLIDING = 50.0  # weight from which the places are the nearest ones
 STEPS = 30  # L-BFGS iterations with each
 POWER = 2.0  # of the corner energy, which favours the worst hexes
 
 
 def approach(
-    improver: Improver, start: Floats, distance: Callable[[Floats], float], limit: float
+    improver: Improver, X: Floats, start: Floats, distance: Callable[[Floats], float], limit: float
 ) -> State | None:
-    """The first state on the way from `start` (n,3) to the constraints that inverts nothing and is within the limit of
-    the distance; if there is none, the nearest one that inverts nothing, or None."""
-    x, weight = start, FIRST
-    nearest, least = None, np.inf
+    """The first state on the way from X (n,3) to the constraints, at first to the places of `start` (n,3), that inverts
+    nothing and is within the limit of the distance; if there is none, the first of those that are nearly as near as the
+    nearest, or None if all invert something."""
+    x, weight = X, FIRST
+    places = improver.constraints.project(start).points
+    sound: list[tuple[float, State]] = []
     while weight < LAST:
-        x = _pulled(improver, x, weight)
+        if weight > SLIDING:
+            places = improver.constraints.project(x).points
+        x = _pulled(improver, x, weight, places)
         state = improver.state(x)
-        if state.inverted == 0 and (away := distance(x)) < least:
-            nearest, least = state, away
-            if away <= limit:
+        if state.inverted == 0:
+            sound.append((distance(x), state))
+            if sound[-1][0] <= limit:
                 break
         weight *= GROWTH
-    return nearest
+    enough = max(limit, NEARLY * min((away for away, _ in sound), default=0.0))
+    return next((state for away, state in sound if away <= enough), None)
 
 
 def retreat(
@@ -52,8 +61,9 @@ def retreat(
     """The state with the best hexes that is not farther away than the limit, from `start` (n,3), which is near but has
     bad ones; None if there is none without inverted hexes."""
     best, weight = None, LAST
+    places = improver.constraints.project(start).points
     while weight > FIRST:
-        x = _pulled(improver, start, weight)
+        x = _pulled(improver, start, weight, places)
         state = improver.state(x)
         weight /= GROWTH
         if state.inverted:
@@ -64,9 +74,9 @@ def retreat(
     return best
 
 
-def _pulled(improver: Improver, x: Floats, weight: float) -> Floats:
-    """Near the minimum of the energy above, the places held where they are at x (n,3)."""
-    energy, goal = improver.energy, improver.constraints.project(x).points
+def _pulled(improver: Improver, x: Floats, weight: float, places: Floats) -> Floats:
+    """Near the minimum of the energy above, from x (n,3), for `places` (n,3)."""
+    energy = improver.energy
     held = (improver.constraints.kind != FREE)[:, None]
     pull = np.where(held, weight / energy.scale, 0.0)
     least = float(energy.determinants(x, None).min())
@@ -75,7 +85,7 @@ def _pulled(improver: Improver, x: Floats, weight: float) -> Floats:
 
     def penalised(y: Floats) -> tuple[float, Floats]:
         value, gradient = energy.evaluate(y, None, weights)
-        off = y - goal
+        off = y - places
         return value + 0.5 * float((pull * off * off).sum()), gradient + pull * off
 
     scale = 1.0 / (1.0 / energy.scale + pull)

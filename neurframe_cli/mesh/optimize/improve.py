@@ -86,10 +86,10 @@ class Improver:
         self.energy = CornerEnergy(len(X), corners[:, 0], corners[:, 1:], lengths.reshape(len(corners), -1))
         self.first = self.state(X)
 
-    def run(self, start: Floats, progress: Progress) -> tuple[State, int]:
-        """Best state found from `start` (n,3), never worse than X in its worst cell, and the number of rounds."""
+    def run(self, origin: State, start: Floats, progress: Progress) -> tuple[State, int]:
+        """Best state found from `start` (n,3), in its worst cell no worse than `origin`, and the number of rounds."""
         foot = self.constraints.project(start)
-        walk = _Walk(self.first, foot, self._outside(foot.points, np.arange(len(self.cells))))
+        walk = _Walk(origin, foot, self._outside(foot.points, np.arange(len(self.cells))))
         self._phase(walk, 1.0, PATIENCE, progress)
         self._phase(walk, self.options.power, 1, progress)
         return walk.best, walk.rounds

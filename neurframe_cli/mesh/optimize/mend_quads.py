@@ -108,7 +108,7 @@ class _Spot:
         """The mesh with this spot as good as it gets when curves let go of `released` (k,)."""
         constraints = self._constraints(state.x, released)
         improver = Improver(state.x[self.vertices], self.cells, QUADS, constraints, self.normals, LOCAL)
-        improved, _ = improver.run(improver.first.x, lambda fraction, text: None)
+        improved, _ = improver.run(improver.first, improver.first.x, lambda fraction, text: None)
         last = [distances]
 
         def too_far(x: Floats) -> Ints:

@@ -94,23 +94,28 @@ def smooth_cells(
     classified = classify(X, faces, surface, features, solid=faces is not cells, voids=voids)
     normals = outward_normals(faces, classified.patches) if faces is cells else None
     improver = Improver(X, cells, kind, classified.constraints, normals, options.improve)
-    improved, rounds = improver.run(classified.start, progress)
     probe = DistanceProbe(faces, surface, options.samples, np.random.default_rng(options.seed))
     diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
     distances = probe.measure(X)
-    limit = np.maximum(distances.by_face, options.hausdorff_limit * diagonal)
-    last = [distances]
+    origin, start, last = improver.first, classified.start, [distances]
+    soft = _Soft(improver, X, start, probe, options.hausdorff_limit * diagonal)
+    if normals is None and origin.inverted and (found := soft.approached()) is not None:
+        progress(0.1, "untangled")
+        origin, start, last = found, found.x, [probe.measure(found.x)]
+    improved, rounds = improver.run(origin, start, progress)
+    limit = np.maximum(last[0].by_face, options.hausdorff_limit * diagonal)
 
     def too_far(x: Floats) -> Ints:
         last[:] = [probe.measure(x)]
         return np.unique(faces[last[0].by_face > limit])
 
-    final = improver.guarded(improver.first, improved.x, too_far)
-    if not final.better_than(improver.first):
-        final, last = improver.first, [distances]  # what is left of the way leads nowhere
+    from_origin = last[0]
+    final = improver.guarded(origin, improved.x, too_far)
+    if not final.better_than(origin):
+        final, last = origin, [from_origin]  # what is left of the way leads nowhere
     released = 0
     if normals is None:
-        final, last[0] = _nearer(improver, X, final, probe, last[0], options.hausdorff_limit * diagonal)
+        final, last[0] = soft.nearer(final, last[0])
     held_back = int((final.x != improved.x).any(axis=1).sum())
     if normals is not None:
         passed_by = max(options.reach_limit * diagonal, PASSED_BY * _median_edge(final.x, faces))
@@ -130,26 +135,39 @@ def smooth_cells(
     return SmoothedMesh(final.x, report)
 
 
-def _nearer(
-    improver: Improver, X: Floats, state: State, probe: DistanceProbe, distances: Distances, limit: float
-) -> tuple[State, Distances]:
-    """What no step that makes no hex worse had found, where `state` has bad hexes or is beyond the `limit`: hexes that
-    are not inverted, and nearer to the surface or near enough."""
+class _Soft:
+    """Hexes whose vertices cannot all be where they should: what no step that makes no hex worse finds."""
 
-    def distance(x: Floats) -> float:
-        return float(probe.measure(x).by_face.max())
+    def __init__(
+        self, improver: Improver, X: Floats, start: Floats, probe: DistanceProbe, limit: float
+    ) -> None:
+        self.improver, self.X, self.start, self.probe, self.limit = improver, X, start, probe, limit
+        self._approached: list[State | None] = []
 
-    away = float(distances.by_face.max())
-    if state.quality.min() > BAD and away <= limit:
-        return state, distances
-    found = None
-    if away <= limit:
-        found = retreat(improver, state.x, distance, max(WITHIN * limit, away))
-    if found is None and (state.inverted or away > limit):
-        found = approach(improver, X, distance, WITHIN * limit)
-    if found is None or distance(found.x) > max(limit, away):
-        return state, distances
-    return found, probe.measure(found.x)
+    def approached(self) -> State | None:
+        """From the positions X (n,3) of the map; worked out once."""
+        if not self._approached:
+            goal = WITHIN * self.limit
+            self._approached.append(approach(self.improver, self.X, self.start, self._distance, goal))
+        return self._approached[0]
+
+    def nearer(self, state: State, distances: Distances) -> tuple[State, Distances]:
+        """Where `state` has bad hexes or is beyond the limit: hexes that are not inverted, and nearer to the surface or
+        near enough."""
+        away = float(distances.by_face.max())
+        if state.quality.min() > BAD and away <= self.limit:
+            return state, distances
+        found = None
+        if away <= self.limit:
+            found = retreat(self.improver, state.x, self._distance, max(WITHIN * self.limit, away))
+        if found is None and (state.inverted or away > self.limit):
+            found = self.approached()
+        if found is None or self._distance(found.x) > max(self.limit, away):
+            return state, distances
+        return found, self.probe.measure(found.x)
+
+    def _distance(self, x: Floats) -> float:
+        return float(self.probe.measure(x).by_face.max())
 
 
 def _median_edge(X: Floats, faces: Ints) -> float:
