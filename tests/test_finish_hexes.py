@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from neurframe_cli.mesh.finer_map import write_finer_map
 from neurframe_cli.mesh.hex_shell import hex_shell
 from neurframe_cli.mesh.optimize.smooth import SmoothOptions
 from neurframe_cli.mesh.pinches import has_topology_of, separate_pinches
+from neurframe_cli.mesh.quality.check import CheckOptions
 from neurframe_cli.mesh.quality.polygons import triangulated
 from neurframe_cli.mesh.quality.scaled_jacobian import hex_scaled_jacobians
 from neurframe_cli.stages.finish_hexes import FinishOptions, finish_hexes
@@ -36,7 +38,7 @@ def test_fine_hexes_stay_as_they_are() -> None:
 def test_a_mesh_that_is_too_coarse_for_its_surface_is_split(n: int, limit: float, times: int | None) -> None:
     """A few hexes across a ball: its bulges are farther away than the limit, wherever the vertices are."""
     shape = sphere_hexes(n)
-    options = FinishOptions(padding=False, smoothing=SmoothOptions(hausdorff_limit=limit))
+    options = within(limit)
     fractions: list[float] = []
     made = finish_hexes(
         shape.V,
@@ -65,7 +67,7 @@ def test_hexes_stay_coarse_where_that_is_wanted_or_one_is_missing(
     splitting: bool, missing: list[int]
 ) -> None:
     shape = sphere_hexes(3)
-    options = FinishOptions(splitting=splitting, smoothing=SmoothOptions(hausdorff_limit=0.012))
+    options = replace(within(0.012), splitting=splitting)
     cells = np.delete(shape.cells, missing, axis=0)  # the one in the middle: a void
     made = finish_hexes(shape.V, cells, shape.surface, shape.features, options, balls)
     assert made.report["whole"] != bool(missing)
@@ -91,7 +93,7 @@ def test_hexes_that_touch_in_an_edge_only_are_taken_apart() -> None:
 
 def test_the_first_hexes_stay_where_finer_ones_cannot_be_had() -> None:
     shape = sphere_hexes(2)
-    options = FinishOptions(padding=False, smoothing=SmoothOptions(hausdorff_limit=0.012))
+    options = within(0.012)
 
     def finer(times: int) -> tuple[Floats, Ints]:
         raise StageError("no memory left")
@@ -99,6 +101,15 @@ def test_the_first_hexes_stay_where_finer_ones_cannot_be_had() -> None:
     made = finish_hexes(shape.V, shape.cells, shape.surface, shape.features, options, finer)
     assert len(made.cells) == len(shape.cells)
     assert made.warnings == ("2 times as many hexes along each edge could not be had: no memory left",)
+
+
+def within(limit: float) -> FinishOptions:
+    """Options for hexes that are near enough within `limit`."""
+    return FinishOptions(
+        padding=False,
+        smoothing=SmoothOptions(hausdorff_limit=limit),
+        check=CheckOptions(hausdorff_limit=limit),
+    )
 
 
 def balls(n: int) -> tuple[Floats, Ints]:

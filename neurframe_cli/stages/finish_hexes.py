@@ -12,10 +12,12 @@ from typing import Any
 
 from neurframe_cli.errors import NotValid, StageError
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part, silent
-from neurframe_cli.mesh.optimize.smooth import BAD, MeshNumbers, SmoothedMesh, SmoothOptions
+from neurframe_cli.mesh.optimize.smooth import MeshNumbers, SmoothedMesh, SmoothOptions
+from neurframe_cli.mesh.optimize.soft_constraints import BAD
 from neurframe_cli.mesh.pinches import has_topology_of, separate_pinches
+from neurframe_cli.mesh.quality.check import CheckOptions, check_hexes
 from neurframe_cli.stages.pad_hexes import padded_hexes
-from neurframe_cli.stages.smooth_hexes import smooth_hexes
+from neurframe_cli.stages.smooth_hexes import HEX_OPTIONS, smooth_hexes
 
 POOR = 0.2  # worst scaled Jacobian, below which a layer of hexes is tried
 MOST_TO_SPLIT = {2: 25_000, 3: 1_000}  # hexes that are split so many times; a finer mesh is not too coarse
@@ -27,11 +29,12 @@ FinerHexes = Callable[[int], tuple[Floats, Ints]]
 @dataclass(frozen=True)
 class FinishOptions:
     """padding: a layer along the whole boundary, None for one where the hexes are poor without it; splitting: finer
-    hexes of the same map where the mesh is not near the surface otherwise."""
+    hexes of the same map where the mesh is not near the surface otherwise; check: what the mesh has to pass."""
 
     padding: bool | None = None
     splitting: bool = True
-    smoothing: SmoothOptions = field(default_factory=SmoothOptions)
+    smoothing: SmoothOptions = HEX_OPTIONS
+    check: CheckOptions = field(default_factory=CheckOptions)
 
 
 @dataclass(frozen=True)
@@ -82,8 +85,11 @@ class _Finisher:
         self.warnings: list[str] = []
 
     def is_fine(self, hexes: _Hexes) -> bool:
-        near = hexes.numbers.hausdorff <= self.options.smoothing.hausdorff_limit
-        return hexes.whole and near and hexes.numbers.min_scaled_jacobian > BAD
+        """Whether they pass the check, with no hex that is all but inverted."""
+        if not hexes.whole or hexes.numbers.min_scaled_jacobian <= BAD:
+            return False
+        V, cells = hexes.smoothed.V, hexes.cells
+        return check_hexes(V, cells, self.surface, self.features, self.options.check).valid
 
     def finished(self, V: Floats, H: Ints, progress: Progress) -> tuple[_Hexes, dict[str, Any]]:
         """Smoothed, and padded where that is asked for or the hexes are poor; with the report of both."""

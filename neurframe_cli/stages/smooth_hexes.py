@@ -7,6 +7,9 @@ from neurframe_cli.mesh.hex_shell import hex_shell
 from neurframe_cli.mesh.optimize.cell_kind import HEXES
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions, smooth_cells
 
+# a mesh is valid up to 0.01, but samples do not see all of a distance
+HEX_OPTIONS = SmoothOptions(hausdorff_limit=0.009)
+
 
 def smooth_hexes(
     V: Floats,

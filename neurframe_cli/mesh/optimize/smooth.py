@@ -8,18 +8,16 @@ import numpy as np
 
 from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface
-from neurframe_cli.mesh.optimize.approach import approach, retreat
 from neurframe_cli.mesh.optimize.cell_kind import CellKind
 from neurframe_cli.mesh.optimize.classify import Classification, classify
-from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe, Distances
+from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe
 from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver, State
 from neurframe_cli.mesh.optimize.mend_quads import mend_poor_quads
-from neurframe_cli.mesh.optimize.patches import outward_normals
+from neurframe_cli.mesh.optimize.patches import Patches, outward_normals
 from neurframe_cli.mesh.optimize.reach import reach_far_places
+from neurframe_cli.mesh.optimize.soft_constraints import Placed, SoftConstraints
 from neurframe_cli.mesh.quality.polygons import unique_edges
 
-BAD = 0.05  # scaled Jacobian; such a hex is of no more use than an inverted one
-WITHIN = 0.9  # of the distance limit is what hexes are pulled to: other samples see a little more
 PASSED_BY = (
     0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
 )
@@ -96,78 +94,65 @@ def smooth_cells(
     improver = Improver(X, cells, kind, classified.constraints, normals, options.improve)
     probe = DistanceProbe(faces, surface, options.samples, np.random.default_rng(options.seed))
     diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
-    distances = probe.measure(X)
-    origin, start, last = improver.first, classified.start, [distances]
-    soft = _Soft(improver, X, start, probe, options.hausdorff_limit * diagonal)
-    if normals is None and origin.inverted and (found := soft.approached()) is not None:
+    first = Placed(improver.first, probe.measure(X))
+    origin, start = first, classified.start
+    limit = options.hausdorff_limit * diagonal
+    soft = SoftConstraints(improver, X, start, probe, limit)
+    if normals is None and (found := soft.untangled(first)) is not None:
         progress(0.1, "untangled")
-        origin, start, last = found, found.x, [probe.measure(found.x)]
-    improved, rounds = improver.run(origin, start, progress)
-    limit = np.maximum(last[0].by_face, options.hausdorff_limit * diagonal)
-
-    def too_far(x: Floats) -> Ints:
-        last[:] = [probe.measure(x)]
-        return np.unique(faces[last[0].by_face > limit])
-
-    from_origin = last[0]
-    final = improver.guarded(origin, improved.x, too_far)
-    if not final.better_than(origin):
-        final, last = origin, [from_origin]  # what is left of the way leads nowhere
+        origin, start = found, found.state.x
+    improved, rounds = improver.run(origin.state, start, progress)
+    final = _within(improver, origin, improved, probe, limit)
     released = 0
     if normals is None:
-        final, last[0] = soft.nearer(final, last[0])
-    held_back = int((final.x != improved.x).any(axis=1).sum())
+        final = soft.nearer(final)
+    held_back = int((final.state.x != improved.x).any(axis=1).sum())
     if normals is not None:
-        passed_by = max(options.reach_limit * diagonal, PASSED_BY * _median_edge(final.x, faces))
-        final, last[0] = reach_far_places(improver, final, probe, last[0], passed_by)
-        near = np.maximum(last[0].by_face, options.mend_limit * diagonal)
-        mended = mend_poor_quads(improver, final, classified.patches, probe, last[0], near)
-        final, last[0], released = mended.state, mended.distances, mended.released
-    progress(1.0, f"worst {final.quality.min():.3f}, mean {final.quality.mean():.3f}")
+        final, released = _mended(improver, final, probe, classified.patches, options, diagonal)
+    quality = final.state.quality
+    progress(1.0, f"worst {quality.min():.3f}, mean {quality.mean():.3f}")
     report = SmoothReport(
-        before=_numbers(improver.first, distances, diagonal),
-        after=_numbers(final, last[0], diagonal),
+        before=_numbers(first, diagonal),
+        after=_numbers(final, diagonal),
         classification=classified.found,
         rounds=rounds,
         held_back=held_back,
         released=released,
     )
-    return SmoothedMesh(final.x, report)
+    return SmoothedMesh(final.state.x, report)
 
 
-class _Soft:
-    """Hexes whose vertices cannot all be where they should: what no step that makes no hex worse finds."""
+def _within(
+    improver: Improver, origin: Placed, improved: State, probe: DistanceProbe, limit: float
+) -> Placed:
+    """As much of the way from `origin` to `improved` as leaves no face beyond the limit that was not."""
+    allowed = np.maximum(origin.distances.by_face, limit)
+    last = origin.distances
 
-    def __init__(
-        self, improver: Improver, X: Floats, start: Floats, probe: DistanceProbe, limit: float
-    ) -> None:
-        self.improver, self.X, self.start, self.probe, self.limit = improver, X, start, probe, limit
-        self._approached: list[State | None] = []
+    def too_far(x: Floats) -> Ints:
+        nonlocal last
+        last = probe.measure(x)
+        return np.unique(probe.faces[last.by_face > allowed])
 
-    def approached(self) -> State | None:
-        """From the positions X (n,3) of the map; worked out once."""
-        if not self._approached:
-            goal = WITHIN * self.limit
-            self._approached.append(approach(self.improver, self.X, self.start, self._distance, goal))
-        return self._approached[0]
+    final = improver.guarded(origin.state, improved.x, too_far)
+    return Placed(final, last) if final.better_than(origin.state) else origin
 
-    def nearer(self, state: State, distances: Distances) -> tuple[State, Distances]:
-        """Where `state` has bad hexes or is beyond the limit: hexes that are not inverted, and nearer to the surface or
-        near enough."""
-        away = float(distances.by_face.max())
-        if state.quality.min() > BAD and away <= self.limit:
-            return state, distances
-        found = None
-        if away <= self.limit:
-            found = retreat(self.improver, state.x, self._distance, max(WITHIN * self.limit, away))
-        if found is None and (state.inverted or away > self.limit):
-            found = self.approached()
-        if found is None or self._distance(found.x) > max(self.limit, away):
-            return state, distances
-        return found, self.probe.measure(found.x)
 
-    def _distance(self, x: Floats) -> float:
-        return float(self.probe.measure(x).by_face.max())
+def _mended(
+    improver: Improver,
+    placed: Placed,
+    probe: DistanceProbe,
+    patches: Patches,
+    options: SmoothOptions,
+    diagonal: float,
+) -> tuple[Placed, int]:
+    """Quads moved to places of the surface that they leave far away, and the poor ones mended; with the number of
+    curves let go for that."""
+    passed_by = max(options.reach_limit * diagonal, PASSED_BY * _median_edge(placed.state.x, probe.faces))
+    state, distances = reach_far_places(improver, placed.state, probe, placed.distances, passed_by)
+    near = np.maximum(distances.by_face, options.mend_limit * diagonal)
+    mended = mend_poor_quads(improver, state, patches, probe, distances, near)
+    return Placed(mended.state, mended.distances), mended.released
 
 
 def _median_edge(X: Floats, faces: Ints) -> float:
@@ -175,11 +160,12 @@ def _median_edge(X: Floats, faces: Ints) -> float:
     return float(np.median(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
 
 
-def _numbers(state: State, distances: Distances, diagonal: float) -> MeshNumbers:
+def _numbers(placed: Placed, diagonal: float) -> MeshNumbers:
+    quality = placed.state.quality
     return MeshNumbers(
-        min_scaled_jacobian=float(state.quality.min()),
-        p1_scaled_jacobian=float(np.percentile(state.quality, 1)),
-        mean_scaled_jacobian=float(state.quality.mean()),
-        inverted=state.inverted,
-        hausdorff=float(distances.by_face.max()) / diagonal,
+        min_scaled_jacobian=float(quality.min()),
+        p1_scaled_jacobian=float(np.percentile(quality, 1)),
+        mean_scaled_jacobian=float(quality.mean()),
+        inverted=placed.state.inverted,
+        hausdorff=float(placed.distances.by_face.max()) / diagonal,
     )

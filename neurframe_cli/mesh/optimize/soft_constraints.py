@@ -1,0 +1,63 @@
+"""Hexes whose vertices cannot all be where they should: what no step that makes no hex worse finds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from neurframe_cli.mesh.arrays import Floats
+from neurframe_cli.mesh.optimize.approach import approach, retreat
+from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe, Distances
+from neurframe_cli.mesh.optimize.improve import Improver, State
+
+BAD = 0.05  # scaled Jacobian; such a hex is of no more use than an inverted one
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A mesh, and how far its faces are from the surface."""
+
+    state: State
+    distances: Distances
+
+
+class SoftConstraints:
+    """Hexes of `improver`, from their positions X (n,3) in the map towards the places of `start` (n,3); `limit`, in
+    units of the mesh, of their distance from the surface."""
+
+    def __init__(
+        self, improver: Improver, X: Floats, start: Floats, probe: DistanceProbe, limit: float
+    ) -> None:
+        self.improver, self.X, self.start, self.probe, self.limit = improver, X, start, probe, limit
+        self._approached: list[State | None] = []
+
+    def untangled(self, first: Placed) -> Placed | None:
+        """Without inverted hexes where the `first` positions have some and that can be had, else None."""
+        found = self._approach() if first.state.inverted else None
+        return None if found is None else self._placed(found)
+
+    def nearer(self, placed: Placed) -> Placed:
+        """Where there are bad hexes or the mesh is beyond the limit: hexes that are not inverted, and nearer to the
+        surface or near enough."""
+        away = float(placed.distances.by_face.max())
+        if placed.state.quality.min() > BAD and away <= self.limit:
+            return placed
+        found = None
+        if away <= self.limit:
+            found = retreat(self.improver, placed.state.x, self._distance, self.limit)
+        if found is None and (placed.state.inverted or away > self.limit):
+            found = self._approach()
+        if found is None or self._distance(found.x) > max(self.limit, away):
+            return placed
+        return self._placed(found)
+
+    def _approach(self) -> State | None:
+        """Worked out once."""
+        if not self._approached:
+            self._approached.append(approach(self.improver, self.X, self.start, self._distance, self.limit))
+        return self._approached[0]
+
+    def _placed(self, state: State) -> Placed:
+        return Placed(state, self.probe.measure(state.x))
+
+    def _distance(self, x: Floats) -> float:
+        return float(self.probe.measure(x).by_face.max())
