@@ -72,19 +72,6 @@ std::vector<Border> find_borders(const FieldMesh& mesh, const std::vector<Bounda
   return BorderTracer(mesh, edges, labels).trace_all();
 }
 
-std::array<int, 2> ends_of(const Border& border, const std::vector<BoundaryEdge>& edges) {
-  const EdgeKey& front = at(edges, border.front().edge).vertices;
-  if (border.size() == 1) return front;
-  const EdgeKey& second = at(edges, border[1].edge).vertices;
-  const bool turned = front[0] == second[0] || front[0] == second[1];
-  int last = front[turned ? 0 : 1];
-  for (std::size_t i = 1; i < border.size(); ++i) {
-    const EdgeKey& edge = at(edges, border[i].edge).vertices;
-    last = edge[edge[0] == last ? 1 : 0];
-  }
-  return {front[turned ? 1 : 0], last};
-}
-
 double least_bend(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges) {
   double length = 0;
   for (const BoundaryEdge& edge : edges) length += edge_length(mesh, edge.vertices);

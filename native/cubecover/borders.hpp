@@ -1,8 +1,6 @@
 // The borders between patches of labels on the boundary.
 #pragma once
 
-#include <array>
-
 #include "cubecover/boundary_axes.hpp"
 
 namespace neurframe {
@@ -19,9 +17,6 @@ using Border = std::vector<BorderStep>;
 // All borders but closed ones, which no other meets.
 std::vector<Border> find_borders(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges,
                                  const std::vector<SignedAxis>& labels);
-
-// The vertices where a border begins and ends.
-std::array<int, 2> ends_of(const Border& border, const std::vector<BoundaryEdge>& edges);
 
 // A border, or a part of one, bends if its steps' bends add up to this: to 20 degrees over a mean edge.
 double least_bend(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges);

@@ -9,18 +9,10 @@ namespace neurframe {
 
 namespace {
 
-constexpr double clear_cosine = 0.5;  // between the ends of a border and its axis, to know which way it runs
-
-// What is known of a border that leaves a vertex.
-struct Spoke {
-  int side = 0;                                         // 1 convex, -1 concave, 0 for either
-  Eigen::Vector3i direction = Eigen::Vector3i::Zero();  // half-axis of the chart, zero for either
-};
-
-// One label round a vertex, and the border where it ends, counter-clockwise.
+// One label round a vertex.
 struct Sector {
   SignedAxis label;
-  Spoke end;
+  int side;               // where it ends, counter-clockwise: 1 convex, -1 concave, 0 for either
   int quarter_turns = 0;  // its angle
 };
 using Corner = std::vector<Sector>;
@@ -72,7 +64,7 @@ Corner corner_of_outline(const std::vector<Eigen::Vector3i>& around) {
     ++quarter_turns;
     if (normal(i) == normal(i + 1)) continue;
     const bool convex = around[(i + 1) % count] == normal(i + 1).cross(normal(i));
-    corner.push_back({label_along(normal(i)), {convex ? 1 : -1, around[(i + 1) % count]}, quarter_turns});
+    corner.push_back({label_along(normal(i)), convex ? 1 : -1, quarter_turns});
     quarter_turns = 0;
   }
   return corner;
@@ -88,15 +80,11 @@ std::vector<Corner> possible_corners() {
   return corners;
 }
 
-bool agree(const Spoke& found, const Spoke& possible) {
-  return (found.side == 0 || found.side == possible.side) &&
-         (found.direction.isZero() || found.direction == possible.direction);
-}
-
 bool agree(const Corner& found, const Corner& possible, std::size_t shift) {
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Sector& other = possible[(i + shift) % possible.size()];
-    if (!(found[i].label == other.label) || !agree(found[i].end, other.end)) return false;
+    if (!(found[i].label == other.label)) return false;
+    if (found[i].side != 0 && found[i].side != other.side) return false;
   }
   return true;
 }
@@ -126,22 +114,9 @@ void compare_with_polycubes(LabelCorner& corner, const Corner& found) {
 
 // What lies round one vertex.
 struct Star {
-  std::map<int, Spoke> borders;    // by the vertex at their other end
-  std::map<int, int> face_behind;  // the half-face counter-clockwise behind the edge to a vertex
+  std::map<int, int> side_of_border;  // by the vertex at its other end
+  std::map<int, int> face_behind;     // the half-face counter-clockwise behind the edge to a vertex
 };
-
-// Which way a border runs that leads `through` so far: along the axis that is normal to neither of its
-// labels.
-Eigen::Vector3i direction_of(const FieldMesh& mesh, const BoundaryEdge& edge,
-                             const std::vector<SignedAxis>& labels, const Eigen::Vector3d& through) {
-  const int begin = at(labels, edge.begin_face).axis;
-  const int end = at(labels, edge.end_face).axis;
-  if (begin == end) return Eigen::Vector3i::Zero();
-  const int along = 3 - begin - end;
-  const double run = at(mesh.frames, edge.begin_face / 4).col(along).dot(through);
-  if (std::abs(run) <= clear_cosine * through.norm()) return Eigen::Vector3i::Zero();
-  return (run > 0 ? 1 : -1) * Eigen::Vector3i::Unit(along);
-}
 
 std::map<int, Star> stars_of_corners(const FieldMesh& mesh, const std::vector<BoundaryEdge>& edges,
                                      const std::vector<SignedAxis>& labels) {
@@ -150,16 +125,12 @@ std::map<int, Star> stars_of_corners(const FieldMesh& mesh, const std::vector<Bo
   for (const Border& border : find_borders(mesh, edges, labels)) {
     const double bend = bend_of(border);
     const int side = std::abs(bend) < enough ? 0 : bend > 0 ? 1 : -1;
-    const auto [first, last] = ends_of(border, edges);
-    const Eigen::Vector3d through = at(mesh.points, last) - at(mesh.points, first);
-    const Eigen::Vector3i direction = direction_of(mesh, at(edges, border.front().edge), labels, through);
     for (const BorderStep& step : border) {
       const auto [a, b] = at(edges, step.edge).vertices;
-      stars[a].borders[b] = {side, a == last ? (-direction).eval() : direction};
-      stars[b].borders[a] = {side, b == last ? (-direction).eval() : direction};
+      stars[a].side_of_border[b] = stars[b].side_of_border[a] = side;
     }
   }
-  std::erase_if(stars, [](const auto& entry) { return entry.second.borders.size() < 3; });
+  std::erase_if(stars, [](const auto& entry) { return entry.second.side_of_border.size() < 3; });
   for (int h = 0; h < mesh.half_face_count(); ++h) {
     if (at(mesh.twin, h) >= 0) continue;
     const auto vertices = half_face_vertices(mesh.tets, h);
@@ -192,18 +163,18 @@ std::vector<LabelCorner> find_label_corners(const FieldMesh& mesh, const std::ve
   for (const auto& [vertex, star] : stars_of_corners(mesh, edges, labels)) {
     LabelCorner corner{vertex, {}};
     Corner sectors;
-    int spoke = star.borders.begin()->first;
+    int spoke = star.side_of_border.begin()->first;
     for (std::size_t i = 0; i < star.face_behind.size(); ++i) {
       const int half_face = star.face_behind.at(spoke);
-      if (star.borders.contains(spoke)) {
+      if (star.side_of_border.contains(spoke)) {
         corner.fans.emplace_back();
-        sectors.push_back({at(labels, half_face), {}});
+        sectors.push_back({at(labels, half_face), 0});
       }
       corner.fans.back().half_faces.push_back(half_face);
       const int next = vertex_before(mesh, half_face, vertex);
       corner.fans.back().angle += angle_at(mesh, vertex, spoke, next);
       spoke = next;
-      if (star.borders.contains(spoke)) sectors.back().end = star.borders.at(spoke);
+      if (star.side_of_border.contains(spoke)) sectors.back().side = star.side_of_border.at(spoke);
     }
     compare_with_polycubes(corner, sectors);
     corners.push_back(std::move(corner));

@@ -118,7 +118,7 @@ long impossible_count(const std::vector<LabelCorner>& corners) {
 }
 
 // Top and bottom of an L have one angle of three quarter turns each, all others are right.  Seen in a mirror,
-// the labels turn the wrong way round every corner; turned by half a turn, they make the edges run backwards.
+// the labels turn the wrong way round every corner.
 void test_corners_of_an_l_shape() {
   const FieldMesh mesh = l_shape(4, 2);
   const std::vector<BoundaryEdge> edges = boundary_edges_of(mesh);
@@ -136,9 +136,6 @@ void test_corners_of_an_l_shape() {
     }
   }
   CHECK(right == 34 && reflex == 2);
-  std::vector<SignedAxis> turned = labels;
-  for (SignedAxis& label : turned) label.sign = label.axis != 2 ? -label.sign : label.sign;
-  CHECK(impossible_count(find_label_corners(mesh, edges, turned)) == 12);
   for (SignedAxis& label : labels) label.sign = label.axis == 2 ? -label.sign : label.sign;
   CHECK(impossible_count(find_label_corners(mesh, edges, labels)) == 12);
 }

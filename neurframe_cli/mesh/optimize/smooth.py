@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from neurframe_cli.errors import InvalidMesh
-from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface
+from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part
 from neurframe_cli.mesh.optimize.cell_kind import CellKind
 from neurframe_cli.mesh.optimize.classify import Classification, classify
 from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe
@@ -95,13 +95,14 @@ def smooth_cells(
     probe = DistanceProbe(faces, surface, options.samples, np.random.default_rng(options.seed))
     diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
     first = Placed(improver.first, probe.measure(X))
-    origin, start = first, classified.start
     limit = options.hausdorff_limit * diagonal
-    soft = SoftConstraints(improver, X, start, probe, limit)
-    if normals is None and (found := soft.untangled(first)) is not None:
-        progress(0.1, "untangled")
-        origin, start = found, found.state.x
-    improved, rounds = improver.run(origin.state, start, progress)
+    soft = SoftConstraints(improver, X, classified.start, probe, limit)
+    origin = first
+    improved, rounds = improver.run(first.state, classified.start, part(progress, 0.0, 0.5))
+    if normals is None and improved.inverted and (found := soft.untangled()) is not None:
+        origin = found
+        improved, more = improver.run(found.state, found.state.x, part(progress, 0.5, 1.0))
+        rounds += more
     final = _within(improver, origin, improved, probe, limit)
     released = 0
     if normals is None:

@@ -30,9 +30,9 @@ class SoftConstraints:
         self.improver, self.X, self.start, self.probe, self.limit = improver, X, start, probe, limit
         self._approached: list[State | None] = []
 
-    def untangled(self, first: Placed) -> Placed | None:
-        """Without inverted hexes where the `first` positions have some and that can be had, else None."""
-        found = self._approach() if first.state.inverted else None
+    def untangled(self) -> Placed | None:
+        """Without inverted hexes, or None if that cannot be had."""
+        found = self._approach()
         return None if found is None else self._placed(found)
 
     def nearer(self, placed: Placed) -> Placed:
