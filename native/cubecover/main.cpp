@@ -25,7 +25,8 @@ const CommandLine command_line = {
      {"--polycube", "", "WHEN",
       "a map without singular lines: never, auto (where no field of frames carries a map; default), only",
       false},
-     {"--retries", "", "N", "more tries, refined where the map is not valid (default 2)", false}}};
+     {"--retries", "", "N", "more tries, refined where the map is not valid (default 2)", false},
+     {"--alternative", "", "N", "the N-th best of the valid maps that differ (default 1)", false}}};
 
 FieldMesh read_field_mesh(const Arguments& arguments) {
   const TetMesh tets = read_tet_mesh(arguments.positional(0));
@@ -63,7 +64,8 @@ double cell_length(const Arguments& arguments, const FieldMesh& mesh) {
 ExitCode run(const Arguments& arguments, Json& statistics) {
   const FieldMesh mesh = read_field_mesh(arguments);
   const ParametrizeOptions options{cell_length(arguments, mesh), arguments.integer("--retries", 2, 0, 20),
-                                   worker_threads(arguments), when_polycubes(arguments)};
+                                   worker_threads(arguments), when_polycubes(arguments),
+                                   arguments.integer("--alternative", 1, 1, 20)};
   statistics["edge_length"] = options.cell_length;
   const Parametrization result = parametrize(mesh, options, report_progress);
   write_hex_map(arguments.text("--output"), to_hex_map(result.field.mesh, result.map));

@@ -1,11 +1,15 @@
 #include "cubecover/parametrize.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
+
+#include "core/errors.hpp"
 
 namespace neurframe {
 
@@ -52,6 +56,8 @@ constexpr double worth_refining = 0.5;
 
 // Of the foldover-free energy: a polycube map that is no more distorted needs no rival.
 constexpr double hardly_distorted = 6;
+
+constexpr double same_distortion = 0.02;  // maps that differ by less are hardly two
 
 constexpr double most_doubtful = 10;              // defect score of a polycube that is worth a try
 constexpr std::int64_t polycube_budget = 200000;  // tets to solve for, all polycubes together
@@ -141,6 +147,12 @@ class Search {
   }
 
   Parametrization result() {
+    const std::vector<int> distinct = distinct_valid_maps();
+    if (options_.alternative > std::max(1, static_cast<int>(distinct.size())))
+      throw InputError("there are " + std::to_string(distinct.size()) + " valid maps, no number " +
+                       std::to_string(options_.alternative));
+    if (options_.alternative > 1) best_ = std::move(at(valid_, at(distinct, options_.alternative - 1)).map);
+    best_->valid_maps = static_cast<int>(distinct.size());
     best_->input_tets = mesh_.tet_count();
     best_->attempts = attempts_;
     best_->preparations_judged = judged_;
@@ -179,9 +191,36 @@ class Search {
     Parametrization next = solve_map(std::move(field), options_, steps_);
     attempts_.push_back(
         {next.preparation, next.field.mesh.features.size(), failure_count(next), next.distortion});
+    if (next.verification.valid()) remember(next);
     if (next.preparation.is_polycube() && failure_count(next) > 0) try_with_fewer_features(next);
     if (best_ && !is_better(next, *best_, mesh_)) return;
     best_ = std::move(next);
+  }
+
+  struct ValidMap {
+    double cost;
+    double distortion;
+    std::optional<Parametrization> map;  // held only where another than the best may be asked for
+  };
+
+  void remember(const Parametrization& found) {
+    valid_.push_back({cost_of(found, mesh_), found.distortion, {}});
+    if (options_.alternative > 1) valid_.back().map = found;
+  }
+
+  // Indices of the valid maps, the best one first, without those that are hardly different from a better one.
+  std::vector<int> distinct_valid_maps() {
+    std::stable_sort(valid_.begin(), valid_.end(),
+                     [](const ValidMap& a, const ValidMap& b) { return a.cost < b.cost; });
+    std::vector<int> distinct;
+    for (int i = 0; i < static_cast<int>(valid_.size()); ++i) {
+      const double here = at(valid_, i).distortion;
+      const bool is_new = std::all_of(distinct.begin(), distinct.end(), [&](int other) {
+        return std::abs(here / at(valid_, other).distortion - 1) > same_distortion;
+      });
+      if (is_new) distinct.push_back(i);
+    }
+    return distinct;
   }
 
   // A feature inside a label may be what a polycube fails at: it waits for a try without those at its
@@ -203,6 +242,7 @@ class Search {
   std::optional<PreparedField> defective_;
   double lowest_score_ = std::numeric_limits<double>::infinity();
   std::vector<Attempt> attempts_;
+  std::vector<ValidMap> valid_;
 };
 
 }  // namespace

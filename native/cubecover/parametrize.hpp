@@ -14,6 +14,7 @@ struct ParametrizeOptions {
   int retries = 2;         // more tries, on a mesh that is refined where the map is not valid
   int threads = 1;         // for the energies; the result does not depend on it
   Polycubes polycubes = Polycubes::where_needed;
+  int alternative = 1;  // which of the valid maps is wanted, the best one being the first
 };
 
 struct FlipCounts {  // tets without positive determinant after each step
@@ -41,6 +42,7 @@ struct Parametrization {
   FlipCounts flips;
   int input_tets = 0;
   std::vector<Attempt> attempts;
+  int valid_maps = 0;  // that differ from each other
   int real_unknowns = 0;
   int integer_unknowns = 0;
   int basis_changes = 0;
@@ -60,7 +62,9 @@ Parametrization solve_map(PreparedField prepared, const ParametrizeOptions& opti
 Parametrization solve_prepared(PreparedField prepared, const ParametrizeOptions& options,
                                const ProgressCallback& progress);
 
-// The best of the tries: the first valid map, or the one with the fewest folded tets and wrongly wound edges.
+// The best of the tries: the first valid map, or the one with the fewest folded tets and wrongly wound edges;
+// or another one of the valid maps, for hexes may fail where their map does not.  Raises InputError if there
+// are not so many.
 Parametrization parametrize(const FieldMesh& mesh, const ParametrizeOptions& options,
                             const ProgressCallback& progress);
 

@@ -115,6 +115,7 @@ void describe(const Parametrization& result, Json& statistics) {
   statistics["input_tets"] = result.input_tets;
   statistics["tets"] = field.mesh.tet_count();
   statistics["tries"] = result.attempts.size();
+  statistics["valid_maps"] = result.valid_maps;
   statistics["attempts"] = describe_attempts(result.attempts);
   statistics["preparations_judged"] = describe_preparations(result.preparations_judged);
   statistics["polycube"] = result.preparation.is_polycube();

@@ -39,11 +39,13 @@ class FinishOptions:
 
 @dataclass(frozen=True)
 class FinishedHexes:
-    """V (n,3), cells (h,8); report: what each step did for them, and with `splitting`, the attempts at finer ones, that
-    at the first ones before; warnings: what the user should know."""
+    """V (n,3), cells (h,8); fine: whether they pass the check and none is all but inverted; report: what each step did
+    for them, and with `splitting`, the attempts at finer ones, that at the first ones before; warnings: what the user
+    should know."""
 
     V: Floats
     cells: Ints
+    fine: bool
     report: dict[str, Any]
     warnings: tuple[str, ...]
 
@@ -72,9 +74,11 @@ def finish_hexes(
     `finer` ones, without being asked for.  Raises InvalidMesh if there are no hexes."""
     finisher = _Finisher(surface, features, options)
     hexes, report = finisher.finished(V, H, part(progress, 0.0, 0.4))
-    if options.splitting and hexes.whole and not finisher.is_fine(hexes):
+    fine = finisher.is_fine(hexes)
+    if options.splitting and hexes.whole and not fine:
         hexes, report = finisher.split(hexes, report, len(H), finer, part(progress, 0.4, 1.0))
-    return FinishedHexes(hexes.smoothed.V, hexes.cells, report, tuple(finisher.warnings))
+        fine = not report["splitting"][0]["kept"]
+    return FinishedHexes(hexes.smoothed.V, hexes.cells, fine, report, tuple(finisher.warnings))
 
 
 class _Finisher:

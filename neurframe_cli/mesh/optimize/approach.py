@@ -7,10 +7,10 @@ Between the two lies the minimum of
     E(x) + w/2 sum_i c_i |x_i - p_i|²
 
 with the corner energy E, a barrier once nothing is inverted, the places p_i where the constraints want the vertices,
-and the curvatures c_i of E.  The smallest weight w that brings the mesh near enough leaves the best hexes.  At first
-the places are those of the vertices at the start: without weight the mesh shrinks away from the surface to untangle,
-and what is nearest there is not where it came from.  Near the surface the places slide along it.  A mesh that is near
-already starts with a large weight, or its vertices would slide to where they leave gaps.
+and the curvatures c_i of E.  The smallest weight w that brings the mesh near enough leaves the best hexes.  The places
+slide along the surface, except at first where hexes are inverted: without weight the mesh shrinks away from the surface
+to untangle, and what is nearest there is not where it came from.  A mesh that is near already starts with a large
+weight, or its vertices would slide to where they leave gaps.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise
 
 FIRST, LAST, GROWTH = 0.1, 1e5, 4.0  # weights of the penalty
 NEARLY = 1.02  # times the least distance: what comes after makes hexes worse and the mesh hardly nearer
-SLIDING = 50.0  # weight from which the places are the nearest ones
+SLIDING = 50.0  # weight from which the places of a mesh that was inverted are the nearest ones
 STEPS = 30  # L-BFGS iterations with each
 POWER = 2.0  # of the corner energy, which favours the worst hexes
 
@@ -35,14 +35,15 @@ POWER = 2.0  # of the corner energy, which favours the worst hexes
 def approach(
     improver: Improver, X: Floats, start: Floats, distance: Callable[[Floats], float], limit: float
 ) -> State | None:
-    """The first state on the way from X (n,3) to the constraints, at first to the places of `start` (n,3), that inverts
-    nothing and is within the limit of the distance; if there is none, the first of those that are nearly as near as the
-    nearest, or None if all invert something."""
+    """The first state on the way from X (n,3) to the constraints that inverts nothing and is within the limit of the
+    distance; if there is none, the first of those that are nearly as near as the nearest, or None if all invert
+    something.  start (n,3): where the vertices go first, if X inverts something."""
     x, weight = X, FIRST
+    sliding = SLIDING if improver.state(X).inverted else 0.0
     places = improver.constraints.project(start).points
     sound: list[tuple[float, State]] = []
     while weight < LAST:
-        if weight > SLIDING:
+        if weight > sliding:
             places = improver.constraints.project(x).points
         x = _pulled(improver, x, weight, places)
         state = improver.state(x)

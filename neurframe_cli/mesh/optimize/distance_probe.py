@@ -86,3 +86,18 @@ class DistanceProbe:
         tree = SimplexTree(x, self.triangles[np.tile(chosen, 2)])
         distance, triangle = tree.nearest(points)
         return distance, members[triangle % len(members)]
+
+
+class BothDiagonals(DistanceProbe):
+    """The same for quads that may be bent: whichever of their two triangulations is farther away."""
+
+    def __init__(self, faces: Ints, surface: Surface, samples: int, rng: np.random.Generator) -> None:
+        super().__init__(faces, surface, samples, rng)
+        self.other = DistanceProbe(np.roll(faces, 1, axis=1), surface, samples, rng)
+
+    def measure(self, x: Floats, known: Distances | None = None) -> Distances:
+        """Distances with the vertices at x (n,3), all measured again."""
+        one, other = super().measure(x), self.other.measure(x)
+        back = np.concatenate([one.back, other.back])
+        nearest = np.concatenate([one.nearest, other.nearest])
+        return Distances(x, np.maximum(one.there, other.there), back, nearest)

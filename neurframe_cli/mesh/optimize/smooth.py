@@ -10,7 +10,7 @@ from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part
 from neurframe_cli.mesh.optimize.cell_kind import CellKind
 from neurframe_cli.mesh.optimize.classify import Classification, classify
-from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe
+from neurframe_cli.mesh.optimize.distance_probe import BothDiagonals, DistanceProbe
 from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver, State
 from neurframe_cli.mesh.optimize.mend_quads import mend_poor_quads
 from neurframe_cli.mesh.optimize.patches import Patches, outward_normals
@@ -92,7 +92,8 @@ def smooth_cells(
     classified = classify(X, faces, surface, features, solid=faces is not cells, voids=voids)
     normals = outward_normals(faces, classified.patches) if faces is cells else None
     improver = Improver(X, cells, kind, classified.constraints, normals, options.improve)
-    probe = DistanceProbe(faces, surface, options.samples, np.random.default_rng(options.seed))
+    probe_of = DistanceProbe if faces is cells else BothDiagonals
+    probe = probe_of(faces, surface, options.samples, np.random.default_rng(options.seed))
     diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
     first = Placed(improver.first, probe.measure(X))
     limit = options.hausdorff_limit * diagonal

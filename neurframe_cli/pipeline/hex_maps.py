@@ -1,0 +1,123 @@
+"""From frames to finished hexes: the best map, and where its hexes do not pass, the next best ones.
+
+A map may be valid and its hexes not: trilinear cells ask for more than the pieces of the map, and a feature that the
+map does not follow may be farther away than the check allows.  neurframe-cubecover says how many valid maps it has
+found, and makes the one that it is asked for.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from neurframe_cli.errors import NotValid, StageError
+from neurframe_cli.field.fra import frame_count
+from neurframe_cli.mesh.arrays import Floats, Ints, Progress, part, silent
+from neurframe_cli.mesh.finer_map import write_finer_map
+from neurframe_cli.mesh.read_cells import CellMesh
+from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
+from neurframe_cli.pipeline.discretize_step import FRAMES_FRA
+from neurframe_cli.pipeline.forecast import Amount, expected_hexes
+from neurframe_cli.pipeline.mesh_step import MadeMesh, MeshKind, MeshRequest, Model, extract
+from neurframe_cli.pipeline.native import ProgramResult, run_program
+from neurframe_cli.pipeline.runner import StageContext
+from neurframe_cli.pipeline.tetize_step import FEATURES, TETS
+from neurframe_cli.stages.finish_hexes import FinishedHexes, FinishOptions, finish_hexes
+
+MOST_MAPS = 3  # whose hexes are finished; each takes as long as the first one
+POLYCUBE = "the learned field carries no map here: the hexes follow a polycube, without singular lines inside"
+
+
+@dataclass(frozen=True)
+class _Hexes:
+    finished: FinishedHexes
+    parametrization: ProgramResult
+    extraction: ProgramResult
+
+
+def mapped_hexes(
+    kind: MeshKind, context: StageContext, inputs: Mapping[str, Path], model: Model, request: MeshRequest
+) -> MadeMesh:
+    """Parametrize, extract, finish (paper, section 5.1.2)."""
+    tets = frame_count(inputs[FRAMES_FRA])
+    context.expect("hex", Amount(tets, hexes=expected_hexes(model.surface, request.size)))
+    maker = _HexMaker(kind, context, inputs, model, request)
+    with atomic_path(maker.map) as path:
+        best = maker.parametrize(path, 1, part(context.progress, 0.0, 0.4))
+    if best.statistics.get("polycube"):
+        context.warn(POLYCUBE)
+    made = maker.hexes(best, maker.map, part(context.progress, 0.4, 0.6))
+    if not made.finished.fine:
+        made = maker.another(made, part(context.progress, 0.6, 0.95))
+    for warning in made.finished.warnings:
+        context.warn(warning)
+    cells = CellMesh("hex", made.finished.V, made.finished.cells)
+    return MadeMesh(cells, made.parametrization, made.extraction, made.finished.report)
+
+
+@dataclass(frozen=True)
+class _HexMaker:
+    """What every map and its hexes are made of."""
+
+    kind: MeshKind
+    context: StageContext
+    inputs: Mapping[str, Path]
+    model: Model
+    request: MeshRequest
+
+    @property
+    def map(self) -> Path:
+        return self.context.workspace / self.kind.map_name
+
+    def parametrize(self, path: Path, number: int, progress: Progress) -> ProgramResult:
+        """Write the best map, or the one with this `number` among the valid ones."""
+        arguments: list[str | Path] = [self.inputs[TETS], self.inputs[FRAMES_FRA], "-o", path]
+        arguments += self.request.size.arguments(self.model.surface, "--target-cells")
+        arguments += ["--feature-angle", repr(self.request.feature_angle_deg)]
+        arguments += ["--features", str(self.inputs[FEATURES].absolute())]
+        if number > 1:
+            arguments += ["--alternative", str(number)]
+        return run_program("cubecover", arguments, self.request.limits, progress)
+
+    def hexes(self, parametrization: ProgramResult, map_file: Path, progress: Progress) -> _Hexes:
+        """The finished hexes of a map."""
+        limits = self.request.limits
+
+        def finer(times: int) -> tuple[Floats, Ints]:
+            with scratch_folder(self.context.workspace.folder) as scratch:
+                write_finer_map(map_file, scratch / self.kind.map_name, times)
+                finer_map = scratch / self.kind.map_name
+                cells = extract(self.kind, self.context, limits, parametrization, silent, finer_map)[1]
+            return cells.V, cells.cells
+
+        steps = part(progress, 0.0, 0.2)
+        extraction, raw = extract(self.kind, self.context, limits, parametrization, steps, map_file)
+        options = FinishOptions(self.request.hexes.padding, self.request.hexes.splitting)
+        surface, features = self.model.surface, self.model.features
+        finished = finish_hexes(raw.V, raw.cells, surface, features, options, finer, part(progress, 0.2, 1.0))
+        return _Hexes(finished, parametrization, extraction)
+
+    def another(self, first: _Hexes, progress: Progress) -> _Hexes:
+        """Hexes that pass, of the best other valid map that has such, which becomes the workspace's; or the `first`."""
+        maps = min(MOST_MAPS, int(first.parametrization.statistics.get("valid_maps", 1)))
+        for number in range(2, maps + 1):
+            steps = part(progress, (number - 2) / (maps - 1), (number - 1) / (maps - 1))
+            with scratch_folder(self.context.workspace.folder) as scratch:
+                path = scratch / self.kind.map_name
+                try:
+                    parametrization = self.parametrize(path, number, part(steps, 0.0, 0.4))
+                    made = self.hexes(parametrization, path, part(steps, 0.4, 1.0))
+                except (StageError, NotValid) as error:
+                    self.context.warn(f"no hexes of the valid map number {number}: {error}")
+                    break
+                if not made.finished.fine:
+                    continue
+                with atomic_path(self.map) as target:
+                    shutil.copyfile(path, target)
+            self.context.warn(
+                f"the hexes of the best map do not pass; these are of the valid map number {number}"
+            )
+            return made
+        return first
