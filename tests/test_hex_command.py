@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,21 +14,23 @@ from field_shapes import box_tets, cylinder_tets, four_line_frames
 
 from neurframe_cli.cli.main import run_command_line
 from neurframe_cli.errors import NotValid
-from neurframe_cli.mesh.arrays import Floats, Ints, Surface, as_tets, silent
+from neurframe_cli.mesh.arrays import Floats, Ints, Progress, Surface, as_tets, silent
 from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.filling.hybrid_files import read_hybrid
 from neurframe_cli.mesh.filling.hybrid_mesh import measure_hybrid
 from neurframe_cli.mesh.read_cells import read_cells
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
+from neurframe_cli.pipeline import hex_maps
 from neurframe_cli.pipeline.artifacts import store_frames, store_tets
 from neurframe_cli.pipeline.hex_options import HexOptions
 from neurframe_cli.pipeline.hex_step import hex_step
 from neurframe_cli.pipeline.manifest import read_manifest
 from neurframe_cli.pipeline.mesh_step import MeshRequest
-from neurframe_cli.pipeline.native import Limits
+from neurframe_cli.pipeline.native import Limits, ProgramResult, run_program
 from neurframe_cli.pipeline.runner import run_stage
 from neurframe_cli.pipeline.sizing import ElementSize, element_size
 from neurframe_cli.pipeline.workspace import Workspace
+from neurframe_cli.stages.finish_hexes import FinishedHexes, finish_hexes
 
 
 def stored(folder: Path, V: Floats, T: Ints, frames: Floats) -> Workspace:
@@ -98,3 +104,32 @@ def test_formats_without_pyramids_are_refused_before_anything_is_done(
     arguments = ["run", str(tmp_path / "part.stl"), "--hex", "--fill", "-o", str(tmp_path / "mesh.ovm")]
     assert run_command_line(arguments) == 2
     assert "no mesh of hexes, pyramids and tets" in capsys.readouterr().err
+
+
+def test_the_next_valid_map_is_taken_where_the_hexes_of_the_best_do_not_pass(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    V, T = box_tets((3, 3, 3))
+    workspace = stored(tmp_path / "box", V, T, np.tile(np.eye(3), (len(T), 1, 1)))
+    asked: list[int] = []
+
+    def two_maps(
+        program: str, arguments: Sequence[str | os.PathLike[str]], limits: Limits, progress: Progress
+    ) -> ProgramResult:
+        """The real program, which here finds one map only, as if it had found two."""
+        words = list(arguments)
+        asked.append(int(str(words.pop())) if words[-2] == "--alternative" else 1)
+        result = run_program(program, [word for word in words if word != "--alternative"], limits, progress)
+        return replace(result, statistics=result.statistics | {"valid_maps": 2, "number": asked[-1]})
+
+    def first_ones_do_not_pass(*arguments: Any) -> FinishedHexes:
+        return replace(finish_hexes(*arguments), fine=asked[-1] > 1)
+
+    monkeypatch.setattr(hex_maps, "run_program", two_maps)
+    monkeypatch.setattr(hex_maps, "finish_hexes", first_ones_do_not_pass)
+    size = element_size(None, float(np.ptp(V[:, 0])) / 3, None, 30.0)
+    record = run_stage(workspace, hex_step(workspace, request(size, HexOptions())), silent).record
+    assert asked == [1, 2]
+    assert record.report["parametrization"]["number"] == 2
+    assert any("valid map number 2" in warning for warning in record.warnings)
+    assert (workspace / "map.hexex").is_file()

@@ -257,6 +257,24 @@ void test_cylinder_without_singular_lines() {
   CHECK_NEAR(result.parametric_volume, std::round(result.parametric_volume), 1e-6);
 }
 
+// Every valid map that is counted can be had, the best one first, and no more than these.
+void test_alternatives() {
+  ParametrizeOptions options{0.5, 0, 1, Polycubes::only};
+  const auto map_of = [&](int alternative) {
+    options.alternative = alternative;
+    return parametrize(slab_with_prism(6), options, [](double, const std::string&) {});
+  };
+  const Parametrization best = map_of(1);
+  CHECK(best.valid_maps >= 2);
+  for (int i = 2; i <= best.valid_maps; ++i) {
+    const Parametrization other = map_of(i);
+    CHECK(other.verification.valid());
+    CHECK(other.valid_maps == best.valid_maps);
+    CHECK(std::abs(other.distortion / best.distortion - 1) > 0.02);
+  }
+  CHECK_THROWS(map_of(best.valid_maps + 1), InputError, "valid maps, no number");
+}
+
 int vertex_at(const FieldMesh& mesh, const Eigen::Vector3d& point) {
   const auto found = std::find(mesh.points.begin(), mesh.points.end(), point);
   CHECK(found != mesh.points.end());
@@ -330,6 +348,7 @@ int main() {
   neurframe::test_rotations_meet_their_targets();
   neurframe::test_polycube_maps();
   neurframe::test_cylinder_without_singular_lines();
+  neurframe::test_alternatives();
   neurframe::test_inner_features_are_released_up_to_others();
   neurframe::test_collapsed_tets_are_kept_apart();
   return neurframe::test_result();
