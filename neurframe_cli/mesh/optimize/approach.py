@@ -8,14 +8,14 @@ Between the two lies the minimum of
 
 with the corner energy E, a barrier once nothing is inverted, the places p_i where the constraints want the vertices,
 and the curvatures c_i of E.  The smallest weight w that brings the mesh near enough leaves the best hexes.  The places
-slide along the surface, except at first where hexes are inverted: without weight the mesh shrinks away from the surface
-to untangle, and what is nearest there is not where it came from.  A mesh that is near already starts with a large
-weight, or its vertices would slide to where they leave gaps.
+slide along the surface, or are held at first: without weight a mesh with inverted hexes shrinks away from the surface
+to untangle, and what is nearest there is not where it came from.  Both ways are tried, that one first where hexes are
+inverted.  A mesh that is near already starts with a large weight, or its vertices would slide to where they leave gaps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise
 
 FIRST, LAST, GROWTH = 0.1, 1e5, 4.0  # weights of the penalty
 NEARLY = 1.02  # times the least distance: what comes after makes hexes worse and the mesh hardly nearer
-SLIDING = 50.0  # weight from which the places of a mesh that was inverted are the nearest ones
+SLIDING = 50.0  # weight up to which places are held
 STEPS = 30  # L-BFGS iterations with each
 POWER = 2.0  # of the corner energy, which favours the worst hexes
 
@@ -36,24 +36,30 @@ def approach(
     improver: Improver, X: Floats, start: Floats, distance: Callable[[Floats], float], limit: float
 ) -> State | None:
     """The first state on the way from X (n,3) to the constraints that inverts nothing and is within the limit of the
-    distance; if there is none, the first of those that are nearly as near as the nearest, or None if all invert
-    something.  start (n,3): where the vertices go first, if X inverts something."""
-    x, weight = X, FIRST
-    sliding = SLIDING if improver.state(X).inverted else 0.0
-    places = improver.constraints.project(start).points
+    distance; if there is none, one of those that are nearly as near as the nearest, or None if all invert something.
+    start (n,3): where the vertices go where their places are held."""
+    ways = (SLIDING, 0.0) if improver.state(X).inverted else (0.0, SLIDING)
     sound: list[tuple[float, State]] = []
+    for sliding in ways:
+        for found in _way(improver, X, start, sliding):
+            if found.inverted == 0:
+                sound.append((distance(found.x), found))
+                if sound[-1][0] <= limit:
+                    return found
+    enough = NEARLY * min((away for away, _ in sound), default=0.0)
+    return next((state for away, state in sound if away <= enough), None)
+
+
+def _way(improver: Improver, x: Floats, start: Floats, sliding: float) -> Iterator[State]:
+    """The states for growing weights, from x (n,3): to the places of `start` (n,3) up to the weight `sliding`, then to
+    the nearest ones."""
+    weight, places = FIRST, improver.constraints.project(start).points
     while weight < LAST:
         if weight > sliding:
             places = improver.constraints.project(x).points
         x = _pulled(improver, x, weight, places)
-        state = improver.state(x)
-        if state.inverted == 0:
-            sound.append((distance(x), state))
-            if sound[-1][0] <= limit:
-                break
+        yield improver.state(x)
         weight *= GROWTH
-    enough = max(limit, NEARLY * min((away for away, _ in sound), default=0.0))
-    return next((state for away, state in sound if away <= enough), None)
 
 
 def retreat(
