@@ -98,13 +98,12 @@ def smooth_cells(
     first = Placed(improver.first, probe.measure(X))
     limit = options.hausdorff_limit * diagonal
     soft = SoftConstraints(improver, X, classified.start, probe, limit)
-    origin = first
     improved, rounds = improver.run(first.state, classified.start, part(progress, 0.0, 0.5))
-    if normals is None and improved.inverted and (found := soft.untangled()) is not None:
-        origin = found
+    final = _within(improver, first, improved, probe, limit)
+    if normals is None and final.state.inverted and (found := soft.untangled()) is not None:
         improved, more = improver.run(found.state, found.state.x, part(progress, 0.5, 1.0))
+        final = _within(improver, found, improved, probe, limit)
         rounds += more
-    final = _within(improver, origin, improved, probe, limit)
     released = 0
     if normals is None:
         final = soft.nearer(final)
