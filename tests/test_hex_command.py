@@ -116,10 +116,13 @@ def test_the_next_valid_map_is_taken_where_the_hexes_of_the_best_do_not_pass(
     def two_maps(
         program: str, arguments: Sequence[str | os.PathLike[str]], limits: Limits, progress: Progress
     ) -> ProgramResult:
-        """The real program, which here finds one map only, as if it had found two."""
+        """The real program, which finds one map only, as if it had found two; the second one ends in an empty line."""
         words = list(arguments)
         asked.append(int(str(words.pop())) if words[-2] == "--alternative" else 1)
         result = run_program(program, [word for word in words if word != "--alternative"], limits, progress)
+        if asked[-1] == 2:
+            with Path(words[words.index("-o") + 1]).open("a") as written:
+                written.write("\n")
         return replace(result, statistics=result.statistics | {"valid_maps": 2, "number": asked[-1]})
 
     def first_ones_do_not_pass(*arguments: Any) -> FinishedHexes:
@@ -132,4 +135,4 @@ def test_the_next_valid_map_is_taken_where_the_hexes_of_the_best_do_not_pass(
     assert asked == [1, 2]
     assert record.report["parametrization"]["number"] == 2
     assert any("valid map number 2" in warning for warning in record.warnings)
-    assert (workspace / "map.hexex").is_file()
+    assert (workspace / "map.hexex").read_text().endswith("\n\n")

@@ -8,11 +8,11 @@ from smooth_shapes import cube_hexes, cylinder_surface, disk_quads, grid_quads, 
 
 from neurframe_cli.mesh.arrays import Features, Floats, Surface
 from neurframe_cli.mesh.features import features_by_angle
-from neurframe_cli.mesh.optimize.approach import retreat
+from neurframe_cli.mesh.optimize.approach import approach, retreat
 from neurframe_cli.mesh.optimize.cell_kind import HEXES, QUADS, CellKind, target_lengths
 from neurframe_cli.mesh.optimize.classify import classify
 from neurframe_cli.mesh.optimize.corner_energy import CornerEnergy, EnergyWeights
-from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe
+from neurframe_cli.mesh.optimize.distance_probe import BothDiagonals, DistanceProbe
 from neurframe_cli.mesh.optimize.feature_curves import FeatureCurves, feature_curves
 from neurframe_cli.mesh.optimize.guard import guarded_step, least_allowed
 from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver
@@ -243,6 +243,44 @@ def test_bad_hexes_open_within_the_limit_of_distance() -> None:
     assert improver.first.quality.min() < 0.25
     assert found.quality.min() > 0.4
     assert retreat(improver, shape.V, distance, 0.01) is None  # no four hexes across a ball are that near
+
+
+def test_tangled_hexes_come_near_their_surface_untangled() -> None:
+    """A ball of hexes, each vertex off by up to a third of an edge."""
+    shape = sphere_hexes(4)
+    tangled = jitter(shape.V, 0.15, seed=5)
+    faces = boundary_quads(shape.cells)
+    constraints = classify(tangled, faces, shape.surface, shape.features, solid=True).constraints
+    improver = Improver(tangled, shape.cells, HEXES, constraints, None, ImproveOptions())
+    probe = BothDiagonals(faces, shape.surface, 2000, np.random.default_rng(0))
+
+    def distance(x: Floats) -> float:
+        return float(probe.measure(x).by_face.max())
+
+    assert improver.first.inverted > 0
+    limit = 1.2 * distance(shape.V)
+    found = approach(improver, tangled, tangled, distance, limit)
+    assert found is not None
+    assert found.inverted == 0
+    assert distance(found.x) <= limit
+    # where no state is within the limit, a sound one all the same
+    nearest = approach(improver, tangled, tangled, distance, 0.0)
+    assert nearest is not None
+    assert nearest.inverted == 0
+    assert distance(nearest.x) <= distance(found.x)
+
+
+def test_a_bent_quad_is_as_far_away_as_the_worse_of_its_triangulations() -> None:
+    """A unit quad with one corner lifted, against the two triangles of its first diagonal."""
+    height = 0.2
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, height], [0, 1, 0]])
+    quad = np.array([[0, 1, 2, 3]])
+    same = Surface(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    one = DistanceProbe(quad, same, 500, np.random.default_rng(0)).measure(corners).by_face
+    both = BothDiagonals(quad, same, 500, np.random.default_rng(0)).measure(corners).by_face
+    np.testing.assert_allclose(one, [0.0], atol=1e-12)
+    # from the middle of the second diagonal straight to either triangle, which lies h/2 above it and has slope h
+    np.testing.assert_allclose(both, [height / 2 / np.hypot(1, height)], rtol=1e-9)
 
 
 def test_what_cells_may_fall_to() -> None:

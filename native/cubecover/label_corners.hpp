@@ -18,8 +18,7 @@ struct LabelCorner {
   int vertex;
   std::vector<Fan> fans;
   bool is_possible = false;  // whether labels follow each other like this at any vertex of a polycube
-  double stretch =
-      0;  // radians by which its angles differ from those of the most similar such vertex, in all
+  double stretch = 0;        // radians: its angles less those of the most similar such vertex, summed
 };
 
 // A vertex of a polycube is the common corner of one to seven octants, whose boundary is a disc: what cannot

@@ -32,6 +32,8 @@ POLYCUBE = "the learned field carries no map here: the hexes follow a polycube, 
 
 @dataclass(frozen=True)
 class _Hexes:
+    """The hexes of one map, and what the two programs said."""
+
     finished: FinishedHexes
     parametrization: ProgramResult
     extraction: ProgramResult
@@ -40,15 +42,18 @@ class _Hexes:
 def mapped_hexes(
     kind: MeshKind, context: StageContext, inputs: Mapping[str, Path], model: Model, request: MeshRequest
 ) -> MadeMesh:
-    """Parametrize, extract, finish (paper, section 5.1.2)."""
+    """Parametrize, extract, finish (paper, section 5.1.2); the map that the hexes are of is then in the workspace.
+
+    Raises what run_program and extract raise for the best map; the others may fail, which is a warning.
+    """
     tets = frame_count(inputs[FRAMES_FRA])
     context.expect("hex", Amount(tets, hexes=expected_hexes(model.surface, request.size)))
     maker = _HexMaker(kind, context, inputs, model, request)
-    with atomic_path(maker.map) as path:
+    with atomic_path(maker.map_file) as path:
         best = maker.parametrize(path, 1, part(context.progress, 0.0, 0.4))
     if best.statistics.get("polycube"):
         context.warn(POLYCUBE)
-    made = maker.hexes(best, maker.map, part(context.progress, 0.4, 0.6))
+    made = maker.hexes(best, maker.map_file, part(context.progress, 0.4, 0.6))
     if not made.finished.fine:
         made = maker.another(made, part(context.progress, 0.6, 0.95))
     for warning in made.finished.warnings:
@@ -68,7 +73,8 @@ class _HexMaker:
     request: MeshRequest
 
     @property
-    def map(self) -> Path:
+    def map_file(self) -> Path:
+        """Where the workspace keeps the map that its hexes are of."""
         return self.context.workspace / self.kind.map_name
 
     def parametrize(self, path: Path, number: int, progress: Progress) -> ProgramResult:
@@ -114,7 +120,7 @@ class _HexMaker:
                     break
                 if not made.finished.fine:
                     continue
-                with atomic_path(self.map) as target:
+                with atomic_path(self.map_file) as target:
                     shutil.copyfile(path, target)
             self.context.warn(
                 f"the hexes of the best map do not pass; these are of the valid map number {number}"

@@ -257,7 +257,7 @@ void test_cylinder_without_singular_lines() {
   CHECK_NEAR(result.parametric_volume, std::round(result.parametric_volume), 1e-6);
 }
 
-// Every valid map that is counted can be had, the best one first, and no more than these.
+// Every valid map that is counted can be had, each unlike the best one, and no more than these.
 void test_alternatives() {
   ParametrizeOptions options{0.5, 0, 1, Polycubes::only};
   const auto map_of = [&](int alternative) {
