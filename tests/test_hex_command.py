@@ -78,7 +78,7 @@ def test_what_is_not_valid_is_filled(tmp_path: Path) -> None:
     # without --fill nothing more is written
     other = stored(tmp_path / "other", V, T, four_line_frames(V[T].mean(axis=1)))
     with pytest.raises(NotValid):
-        run_stage(other, hex_step(other, request(size, HexOptions(splitting=False))), silent)
+        run_stage(other, hex_step(other, request(size, HexOptions(splitting=False, grid=False))), silent)
     assert not (other / "filled.vtu").exists()
     assert len(read_cells(other / "hex.vtk").cells) == report["mesh"]["cells"]
 
@@ -136,3 +136,43 @@ def test_the_next_valid_map_is_taken_where_the_hexes_of_the_best_do_not_pass(
     assert record.report["parametrization"]["number"] == 2
     assert any("valid map number 2" in warning for warning in record.warnings)
     assert (workspace / "map.hexex").read_text().endswith("\n\n")
+
+
+@pytest.mark.parametrize("extracted", [True, False])
+def test_a_grid_takes_the_place_of_hexes_that_do_not_pass(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, extracted: bool
+) -> None:
+    V, T = box_tets((3, 3, 3))
+    workspace = stored(tmp_path / "box", V, T, np.tile(np.eye(3), (len(T), 1, 1)))
+
+    def none_passes(*arguments: Any) -> FinishedHexes:
+        if not extracted:
+            raise NotValid("no hex mesh could be extracted from the map")
+        return replace(finish_hexes(*arguments), fine=False)
+
+    monkeypatch.setattr(hex_maps, "finish_hexes", none_passes)
+    size = element_size(None, float(np.ptp(V[:, 0])) / 3, None, 30.0)
+    record = run_stage(workspace, hex_step(workspace, request(size, HexOptions())), silent).record
+    assert any("regular grid" in warning for warning in record.warnings)
+    # three cells along each edge, and a layer on all six sides
+    assert record.report["mesh"]["cells"] == 3**3 + 6 * 3**2
+    assert len(read_cells(workspace / "hex.vtk").cells) == 3**3 + 6 * 3**2
+    assert [attempt["finer"] for attempt in record.report["grid"]] == [1.0]
+    assert (workspace / "map.hexex").exists()
+    assert ("of_the_map" in record.report) == extracted
+
+
+@pytest.mark.parametrize("options", [HexOptions(grid=False), HexOptions(fill=True)])
+def test_no_grid_is_made_where_it_is_not_wanted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: HexOptions
+) -> None:
+    V, T = box_tets((3, 3, 3))
+    workspace = stored(tmp_path / "box", V, T, np.tile(np.eye(3), (len(T), 1, 1)))
+
+    def nothing(*arguments: Any) -> FinishedHexes:
+        raise NotValid("no hex mesh could be extracted from the map")
+
+    monkeypatch.setattr(hex_maps, "finish_hexes", nothing)
+    size = element_size(None, float(np.ptp(V[:, 0])) / 3, None, 30.0)
+    with pytest.raises(NotValid, match="no hex mesh could be extracted"):
+        run_stage(workspace, hex_step(workspace, request(size, options)), silent)

@@ -10,8 +10,8 @@ import pytest
 from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Floats, Surface, as_surface
 from neurframe_cli.mesh.clean_surface import clean_surface
+from neurframe_cli.mesh.measure import enclosed_volume
 from neurframe_cli.mesh.open_surface import doubtful_share, refuse_large_holes
-from neurframe_cli.mesh.orient_surface import enclosed_volume
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.mesh.surface_distance import distances, sample_surface
 

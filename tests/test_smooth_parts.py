@@ -8,9 +8,10 @@ from smooth_shapes import cube_hexes, cylinder_surface, disk_quads, grid_quads, 
 
 from neurframe_cli.mesh.arrays import Features, Floats, Surface
 from neurframe_cli.mesh.features import features_by_angle
-from neurframe_cli.mesh.optimize.approach import approach, retreat
+from neurframe_cli.mesh.optimize.approach import SLIDING, approach, retreat
 from neurframe_cli.mesh.optimize.cell_kind import HEXES, QUADS, CellKind, target_lengths
 from neurframe_cli.mesh.optimize.classify import classify
+from neurframe_cli.mesh.optimize.constraints import ON_CURVE, ON_SURFACE, PINNED
 from neurframe_cli.mesh.optimize.corner_energy import CornerEnergy, EnergyWeights
 from neurframe_cli.mesh.optimize.distance_probe import BothDiagonals, DistanceProbe
 from neurframe_cli.mesh.optimize.feature_curves import FeatureCurves, feature_curves
@@ -19,6 +20,7 @@ from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver
 from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise
 from neurframe_cli.mesh.optimize.match_curves import match_features
 from neurframe_cli.mesh.optimize.patches import components_cut_by
+from neurframe_cli.mesh.optimize.released import released
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
 from neurframe_cli.mesh.quality.polygons import triangulated, unique_edges
 from neurframe_cli.stages.smooth_hexes import boundary_quads
@@ -259,12 +261,12 @@ def test_tangled_hexes_come_near_their_surface_untangled() -> None:
 
     assert improver.first.inverted > 0
     limit = 1.2 * distance(shape.V)
-    found = approach(improver, tangled, tangled, distance, limit)
+    found = approach(improver, tangled, tangled, (SLIDING, 0.0), distance, limit)
     assert found is not None
     assert found.inverted == 0
     assert distance(found.x) <= limit
     # where no state is within the limit, a sound one all the same
-    nearest = approach(improver, tangled, tangled, distance, 0.0)
+    nearest = approach(improver, tangled, tangled, (SLIDING, 0.0), distance, 0.0)
     assert nearest is not None
     assert nearest.inverted == 0
     assert distance(nearest.x) <= distance(found.x)
@@ -286,3 +288,22 @@ def test_a_bent_quad_is_as_far_away_as_the_worse_of_its_triangulations() -> None
 def test_what_cells_may_fall_to() -> None:
     np.testing.assert_array_equal(least_allowed(np.array([0.5, 0.2, 0.9])), [0.2, 0.2, 0.2])
     np.testing.assert_array_equal(least_allowed(np.array([0.5, -0.2, 1e-4, -0.1])), [1e-3, -0.2, 1e-4, -0.2])
+
+
+def test_features_let_go_of_the_hexes_that_they_flatten() -> None:
+    shape = cube_hexes(3)
+    faces = boundary_quads(shape.cells)
+    constraints = classify(shape.V, faces, shape.surface, shape.features, solid=True).constraints
+    corner = int((shape.V == 0.0).all(axis=1).argmax())
+    cells = shape.cells[(shape.cells == corner).any(axis=1)]
+    free = released(constraints, shape.surface, cells)
+    held = np.isin(constraints.kind, [ON_CURVE, PINNED])
+    inside = np.isin(np.arange(len(shape.V)), cells)
+    assert held[corner]
+    np.testing.assert_array_equal(np.isin(free.kind, [ON_CURVE, PINNED]), held & ~inside)
+    assert (free.kind[held & inside] == ON_SURFACE).all()
+    # what was let go slides on the surface, what was not stays where it was held
+    away = shape.V + 0.1
+    np.testing.assert_allclose(free.project(away).points[~inside], constraints.project(away).points[~inside])
+    on_surface = free.project(away).points[held & inside]
+    np.testing.assert_allclose(np.abs(on_surface - 0.5).max(axis=1), 0.5)

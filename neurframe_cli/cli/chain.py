@@ -102,6 +102,7 @@ def mesh_request(kinds: Sequence[Kind], values: Mapping[str, Any], threads: int)
     hexes = HexOptions(
         padding=values.get("padding"),
         splitting=values.get("splitting", True),
+        grid=values.get("grid"),
         fill=values.get("fill", False),
     )
     if hexes.fill and "hex" in kinds:

@@ -232,6 +232,11 @@ hex_options = options(
         help="Finer hexes of the same map where these are off the surface by more than 1 % of the diagonal.",
     ),
     click.option(
+        "--grid/--no-grid",
+        default=None,
+        help="Where no map gives valid hexes, those of a regular grid in the solid.  [default: unless --fill]",
+    ),
+    click.option(
         "--fill",
         is_flag=True,
         help="Where the hexes are not valid, write a conforming mesh with pyramids and tets in their voids, too.",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Bools, Floats, Ints
-from neurframe_cli.mesh.orient_surface import enclosed_volume
+from neurframe_cli.mesh.measure import enclosed_volume
 from neurframe_cli.mesh.surface_edges import directed_edges
 
 # winding numbers of closed surfaces are integers; the fast sum is good to a few per cent

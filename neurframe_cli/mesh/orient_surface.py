@@ -5,17 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Bools, Floats, Ints
+from neurframe_cli.mesh.measure import enclosed_volume
 from neurframe_cli.mesh.surface_edges import directed_edges
 
 # an open patch is taken for a solid with a hole from this part of the volume of the ball with its area
 LEAST_OF_BALL = 0.05
-
-
-def enclosed_volume(V: Floats, F: Ints) -> float:
-    """Signed volume of a closed surface, positive when its triangles are counter-clockwise seen from outside."""
-    centred = V - V[F[0, 0]]
-    a, b, c = (centred[F[:, i]] for i in range(3))
-    return float(np.einsum("ij,ij->", np.cross(a, b), c) / 6.0)
 
 
 def orient(V: Floats, F: Ints) -> Ints:

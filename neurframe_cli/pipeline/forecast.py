@@ -13,8 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from neurframe_cli.mesh.arrays import Floats, Ints, Surface
+from neurframe_cli.mesh.arrays import Surface
 from neurframe_cli.mesh.load import load_model
+from neurframe_cli.mesh.measure import enclosed_volume, surface_area
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
 from neurframe_cli.pipeline.manifest import Manifest
 from neurframe_cli.pipeline.sizing import ElementSize
@@ -71,17 +72,21 @@ def expected_tets(surface: Surface, edge_length: float) -> float:
     h = edge_length * diagonal
     if h == 0:
         return 0.0
-    return 8.5 * _volume(surface) / h**3 + 3 * _area(surface) / h**2 + 0.5 * len(surface.F)
+    return (
+        8.5 * abs(enclosed_volume(surface.V, surface.F)) / h**3
+        + 3 * surface_area(surface.V, surface.F) / h**2
+        + 0.5 * len(surface.F)
+    )
 
 
 def expected_quads(surface: Surface, size: ElementSize) -> float:
     """As many squares of that size as have the area of the surface."""
-    return size.count or _area(surface) / size.length(surface) ** 2
+    return size.count or surface_area(surface.V, surface.F) / size.length(surface) ** 2
 
 
 def expected_hexes(surface: Surface, size: ElementSize) -> float:
     """As many cubes of that size as have the volume that the surface encloses."""
-    return size.count or _volume(surface) / size.length(surface) ** 3
+    return size.count or abs(enclosed_volume(surface.V, surface.F)) / size.length(surface) ** 3
 
 
 def seconds_of(stage: str, amount: Amount, speed: float = 1.0) -> float:
@@ -102,18 +107,3 @@ def measured_speed(manifests: Iterable[Manifest]) -> tuple[float, int]:
             if tets and record is not None and record.status in ("done", "invalid") and record.seconds > 0:
                 ratios.append(record.seconds / seconds_of(name, Amount(tets)))
     return (statistics.median(ratios), len(ratios)) if ratios else (1.0, 0)
-
-
-def _corners(V: Floats, F: Ints) -> tuple[Floats, Floats, Floats]:
-    return V[F[:, 0]], V[F[:, 1]], V[F[:, 2]]
-
-
-def _area(surface: Surface) -> float:
-    A, B, C = _corners(surface.V, surface.F)
-    return float(np.linalg.norm(np.cross(B - A, C - A), axis=1).sum() / 2)
-
-
-def _volume(surface: Surface) -> float:
-    # about a corner of the model, so that one far from the origin does not cancel
-    A, B, C = _corners(surface.V - surface.V[surface.F[0, 0]], surface.F)
-    return abs(float(np.einsum("ij,ij->i", A, np.cross(B, C)).sum())) / 6

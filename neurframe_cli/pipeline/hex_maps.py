@@ -1,8 +1,8 @@
-"""From frames to finished hexes: the best map, and where its hexes do not pass, the next best ones.
+"""From frames to finished hexes: the best map, where its hexes do not pass the next best one, and then a grid.
 
 A map may be valid and its hexes not: trilinear cells ask for more than the pieces of the map, and a feature that the
 map does not follow may be farther away than the check allows.  neurframe-cubecover says how many valid maps it has
-found, and makes the one that it is asked for.
+found, and makes the one that it is asked for.  Where none of them does, a regular grid takes their place.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ from neurframe_cli.pipeline.native import ProgramResult, run_program
 from neurframe_cli.pipeline.runner import StageContext
 from neurframe_cli.pipeline.tetize_step import FEATURES, TETS
 from neurframe_cli.stages.finish_hexes import FinishedHexes, FinishOptions, finish_hexes
+from neurframe_cli.stages.grid_hexes import GridHexes, GridOptions, grid_hexes
 
-MOST_MAPS = 3  # whose hexes are finished; each takes as long as the first one
+MOST_MAPS = 2  # whose hexes are finished; each takes as long as the first one
 POLYCUBE = "the learned field carries no map here: the hexes follow a polycube, without singular lines inside"
 
 
@@ -53,9 +54,23 @@ def mapped_hexes(
         best = maker.parametrize(path, 1, part(context.progress, 0.0, 0.4))
     if best.statistics.get("polycube"):
         context.warn(POLYCUBE)
-    made = maker.hexes(best, maker.map_file, part(context.progress, 0.4, 0.6))
+    try:
+        made = maker.best_hexes(best, part(context.progress, 0.4, 0.7))
+    except NotValid as error:
+        grid = maker.on_grid(str(error))
+        if grid is None:
+            raise
+        return MadeMesh(CellMesh("hex", grid.V, grid.cells), best, None, grid.report)
     if not made.finished.fine:
-        made = maker.another(made, part(context.progress, 0.6, 0.95))
+        numbers = made.finished.numbers
+        grid = maker.on_grid(
+            f"{len(made.finished.cells)} hexes of the best map do not pass, their worst scaled Jacobian is "
+            f"{numbers.min_scaled_jacobian:.3f}, and they are {100 * numbers.hausdorff:.2f} % off"
+        )
+        if grid is not None:
+            report = {**grid.report, "of_the_map": made.finished.report}
+            cells = CellMesh("hex", grid.V, grid.cells)
+            return MadeMesh(cells, made.parametrization, made.extraction, report)
     for warning in made.finished.warnings:
         context.warn(warning)
     cells = CellMesh("hex", made.finished.V, made.finished.cells)
@@ -86,6 +101,25 @@ class _HexMaker:
         if number > 1:
             arguments += ["--alternative", str(number)]
         return run_program("cubecover", arguments, self.request.limits, progress)
+
+    def best_hexes(self, best: ProgramResult, progress: Progress) -> _Hexes:
+        """Those of the `best` map, or where these do not pass, of another valid one, which then is the workspace's."""
+        made = self.hexes(best, self.map_file, part(progress, 0.0, 0.4))
+        return made if made.finished.fine else self.another(made, part(progress, 0.4, 1.0))
+
+    def on_grid(self, why: str) -> GridHexes | None:
+        """Hexes of a grid, with the reason `why` in a warning; None where they are not wanted or do not pass either."""
+        if not self.request.hexes.grid_allowed:
+            return None
+        edge_length, limits = self.request.size.layered_edge(self.model.surface), GridOptions()
+        surface, features = self.model.surface, self.model.features
+        try:
+            made = grid_hexes(surface, features, edge_length, limits, part(self.context.progress, 0.7, 0.95))
+        except NotValid as error:
+            self.context.warn(str(error))
+            return None
+        self.context.warn(f"{why}: the mesh is a regular grid with a layer to the surface{_finer(made)}")
+        return made
 
     def hexes(self, parametrization: ProgramResult, map_file: Path, progress: Progress) -> _Hexes:
         """The finished hexes of a map."""
@@ -127,3 +161,7 @@ class _HexMaker:
             )
             return made
         return first
+
+
+def _finer(made: GridHexes) -> str:
+    return "" if made.finer == 1.0 else f", {made.finer:g} times finer than asked for"

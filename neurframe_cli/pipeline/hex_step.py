@@ -40,9 +40,7 @@ def _complete(
     if request.pictures:
         places = {
             f"{defect['count']} {defect['what']}": np.array(defect["places"], np.float64).reshape(-1, 3)
-            for defect in defects_of(
-                {"parametrization": made.parametrization.statistics, "extraction": made.extraction.statistics}
-            )
+            for defect in defects_of(made.statistics)
         }
         data = MeshData(made.cells.V, made.cells.cells, places)
         draw_or_warn(context, {"hexes_trouble": TROUBLE_PICTURE}, data)
@@ -54,7 +52,7 @@ def _complete(
 TROUBLE_PICTURE = "hex-trouble.png"
 HEX = MeshKind(
     name="hex",
-    version=3,
+    version=4,
     map_name="map.hexex",
     outputs=("hex.vtk", "hex.mesh"),
     extractor="hexex",

@@ -47,12 +47,19 @@ class Model:
 
 @dataclass(frozen=True)
 class MadeMesh:
-    """A mesh before it is written: what the two programs said, and what else belongs into the report."""
+    """A mesh before it is written: what the two programs said, and what else belongs into the report; extraction: None
+    where nothing could be extracted, and the mesh was made in another way."""
 
     cells: CellMesh
     parametrization: ProgramResult
-    extraction: ProgramResult
+    extraction: ProgramResult | None
     report: Mapping[str, Any]
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """Those of the two programs."""
+        extraction = {} if self.extraction is None else {"extraction": self.extraction.statistics}
+        return {"parametrization": self.parametrization.statistics, **extraction}
 
 
 # make(context, inputs, model, request)
@@ -107,8 +114,7 @@ def mesh_step(
         more = {} if verdict.valid else kind.complete(context, inputs, made, request)
         context.invalid = _what_is_wrong(kind, made, verdict)
         return {
-            "parametrization": made.parametrization.statistics,
-            "extraction": made.extraction.statistics,
+            **made.statistics,
             **made.report,
             "mesh": verdict.numbers,
             "problems": verdict.problems,
@@ -183,7 +189,8 @@ def _what_is_wrong(kind: MeshKind, made: MadeMesh, verdict: Verdict) -> str | No
     """One line, None where the mesh is valid."""
     if verdict.valid:
         return None
-    told = [*_flaws(made.parametrization), *_flaws(made.extraction)]
+    programs = [made.parametrization] if made.extraction is None else [made.parametrization, made.extraction]
+    told = [flaw for program in programs for flaw in _flaws(program)]
     return "; ".join([f"the {kind.name} mesh is not valid: {', '.join(verdict.problems)}", *told])
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from neurframe_cli.errors import UsageError
 from neurframe_cli.mesh.arrays import Surface
+from neurframe_cli.mesh.measure import enclosed_volume, surface_area
 
 DEFAULT_SCALES = {"quad": 100.0, "hex": 30.0}  # paper, sections 5.1.1 and 5.1.2
 
@@ -23,13 +24,19 @@ class ElementSize:
     def length(self, surface: Surface) -> float:
         """The target edge length; of a count, that of so many squares with the area of the surface."""
         if self.count is not None:
-            A, B, C = (surface.V[surface.F[:, i]] for i in range(3))
-            area = float(np.linalg.norm(np.cross(B - A, C - A), axis=1).sum()) / 2
-            return float(np.sqrt(area / self.count))
+            return float(np.sqrt(surface_area(surface.V, surface.F) / self.count))
         if self.edge_length is not None:
             return self.edge_length
         assert self.scale is not None, "element_size() sets one of the three"
         return float(np.linalg.norm(np.ptp(surface.V, axis=0))) / self.scale
+
+    def layered_edge(self, surface: Surface) -> float:
+        """The edge length h of cubes in the solid with one layer of them on its surface; of a count n, the root of
+        volume / h^3 + area / h^2 = n."""
+        if self.count is None:
+            return self.length(surface)
+        volume, area = enclosed_volume(surface.V, surface.F), surface_area(surface.V, surface.F)
+        return float(np.roots([self.count, 0.0, -area, -volume]).real.max())
 
     def arguments(self, surface: Surface, count_option: str) -> list[str]:
         """The size as the programs take it: an edge length, or a count behind `count_option`."""

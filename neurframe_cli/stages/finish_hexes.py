@@ -39,12 +39,13 @@ class FinishOptions:
 
 @dataclass(frozen=True)
 class FinishedHexes:
-    """V (n,3), cells (h,8); fine: whether they pass the check and none is all but inverted; report: what each step did
-    for them, and with `splitting`, the attempts at finer ones, that at the first ones before; warnings: what the user
-    should know."""
+    """V (n,3), cells (h,8) with their numbers; fine: whether they pass the check and none is all but inverted; report:
+    what each step did for them, and with `splitting`, the attempts at finer ones, that at the first ones before;
+    warnings: what the user should know."""
 
     V: Floats
     cells: Ints
+    numbers: MeshNumbers
     fine: bool
     report: dict[str, Any]
     warnings: tuple[str, ...]
@@ -78,7 +79,7 @@ def finish_hexes(
     if options.splitting and hexes.whole and not fine:
         hexes, report = finisher.split(hexes, report, len(H), finer, part(progress, 0.4, 1.0))
         fine = not report["splitting"][0]["kept"]
-    return FinishedHexes(hexes.smoothed.V, hexes.cells, fine, report, tuple(finisher.warnings))
+    return FinishedHexes(hexes.smoothed.V, hexes.cells, hexes.numbers, fine, report, tuple(finisher.warnings))
 
 
 class _Finisher:

@@ -70,6 +70,13 @@ def pad_hexes(V: Floats, H: Ints) -> tuple[Floats, Ints]:
     return V, H
 
 
+def wrap_hexes(V: Floats, H: Ints) -> tuple[Floats, Ints]:
+    """Positions (m,3) and hexes (k,8), H (n,8) first: one more layer under the boundary as a whole, whatever its edges
+    (pillowing, Mitchell and Tautges 1995); outer vertices are the last ones."""
+    quads = hex_shell(H).quads
+    return _pad_side(V, H, quads, np.zeros(len(quads), np.int64), 0)[:2]
+
+
 def _sides(V: Floats, H: Ints, quads: Ints) -> Ints:
     """Side (f,) of each shell quad (f,4): linked across edges of more than one hex, and across smooth ones."""
     from scipy.sparse import coo_matrix

@@ -11,7 +11,7 @@ from neurframe_cli.mesh.arrays import Surface, TetMesh
 from neurframe_cli.mesh.check_tets import tet_volumes
 from neurframe_cli.mesh.clean_surface import CleaningReport
 from neurframe_cli.mesh.manifold_boundary import boundary_surface
-from neurframe_cli.mesh.orient_surface import enclosed_volume
+from neurframe_cli.mesh.measure import enclosed_volume
 from neurframe_cli.mesh.surface_distance import distances, sample_surface
 
 # The surface may move by epsilon; on the closed models at hand the boundary of the tets stays within 0.6 epsilon of

@@ -9,13 +9,13 @@ Between the two lies the minimum of
 with the corner energy E, a barrier once nothing is inverted, the places p_i where the constraints want the vertices,
 and the curvatures c_i of E.  The smallest weight w that brings the mesh near enough leaves the best hexes.  The places
 slide along the surface, or are held at first: without weight a mesh with inverted hexes shrinks away from the surface
-to untangle, and what is nearest there is not where it came from.  Both ways are tried, that one first where hexes are
-inverted.  A mesh that is near already starts with a large weight, or its vertices would slide to where they leave gaps.
+to untangle, and what is nearest there is not where it came from.  Where hexes are inverted both ways are tried, that
+one first.  A mesh that is near already starts with a large weight, or its vertices would slide and leave gaps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -29,36 +29,50 @@ FIRST, LAST, GROWTH = 0.1, 1e5, 4.0  # weights of the penalty
 NEARLY = 1.02  # times the least distance: what comes after makes hexes worse and the mesh hardly nearer
 SLIDING = 50.0  # weight up to which places are held
 STEPS = 30  # L-BFGS iterations with each
+IDLE = 3  # weights beyond SLIDING that bring the mesh hardly nearer; what comes after does not, either
 POWER = 2.0  # of the corner energy, which favours the worst hexes
 
 
 def approach(
-    improver: Improver, X: Floats, start: Floats, distance: Callable[[Floats], float], limit: float
+    improver: Improver,
+    X: Floats,
+    start: Floats,
+    ways: Sequence[float],
+    distance: Callable[[Floats], float],
+    limit: float,
 ) -> State | None:
     """The first state on the way from X (n,3) to the constraints that inverts nothing and is within the limit of the
     distance; if there is none, one of those that are nearly as near as the nearest, or None if all invert something.
-    start (n,3): where the vertices go where their places are held."""
-    ways = (SLIDING, 0.0) if improver.state(X).inverted else (0.0, SLIDING)
+
+    start (n,3): where the vertices go where their places are held; ways: up to which weight they are held in each.
+    """
     sound: list[tuple[float, State]] = []
     for sliding in ways:
-        for found in _way(improver, X, start, sliding):
-            if found.inverted == 0:
-                sound.append((distance(found.x), found))
-                if sound[-1][0] <= limit:
-                    return found
+        least, idle = np.inf, 0
+        for weight, found in _way(improver, X, start, sliding):
+            if found.inverted:
+                continue
+            away = distance(found.x)
+            sound.append((away, found))
+            if away <= limit:
+                return found
+            idle = idle + 1 if weight > SLIDING and NEARLY * away > least else 0
+            least = min(least, away)
+            if idle == IDLE:
+                break
     enough = NEARLY * min((away for away, _ in sound), default=0.0)
     return next((state for away, state in sound if away <= enough), None)
 
 
-def _way(improver: Improver, x: Floats, start: Floats, sliding: float) -> Iterator[State]:
-    """The states for growing weights, from x (n,3): to the places of `start` (n,3) up to the weight `sliding`, then to
-    the nearest ones."""
-    weight, places = FIRST, improver.constraints.project(start).points
+def _way(improver: Improver, x: Floats, start: Floats, sliding: float) -> Iterator[tuple[float, State]]:
+    """Growing weights and the states for them, from x (n,3): to the places of `start` (n,3) up to the weight `sliding`,
+    then to the nearest ones."""
+    weight, goal = FIRST, improver.constraints.project(start).points
     while weight < LAST:
         if weight > sliding:
-            places = improver.constraints.project(x).points
-        x = _pulled(improver, x, weight, places)
-        yield improver.state(x)
+            goal = improver.constraints.project(x).points
+        x = _pulled(improver, x, weight, goal)
+        yield weight, improver.state(x)
         weight *= GROWTH
 
 

@@ -30,6 +30,5 @@ def feature_curves(surface: Surface, features: Features) -> FeatureCurves:
     graph = features_from_edges(surface.V, np.concatenate([features.edges, rim_edges]), features.corners)
     rim = set(map(tuple, rim_edges.tolist()))
     on_boundary = [(min(c[0], c[1]), max(c[0], c[1])) in rim for c in graph.chains]
-    return FeatureCurves(
-        graph.chains, np.array(on_boundary, bool), graph.corners, np.isin(graph.corners, rim_edges)
-    )
+    corners = np.union1d(graph.corners, features.corners).astype(np.int64)  # some may lie on no curve
+    return FeatureCurves(graph.chains, np.array(on_boundary, bool), corners, np.isin(corners, rim_edges))

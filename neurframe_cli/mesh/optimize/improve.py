@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,6 +86,12 @@ class Improver:
         corners = cells[:, kind.corners].reshape(-1, kind.corners.shape[1])
         self.energy = CornerEnergy(len(X), corners[:, 0], corners[:, 1:], lengths.reshape(len(corners), -1))
         self.first = self.state(X)
+
+    def constrained(self, constraints: Constraints) -> Improver:
+        """The same mesh with other constraints."""
+        other = copy(self)
+        other.constraints = constraints
+        return other
 
     def run(self, origin: State, start: Floats, progress: Progress) -> tuple[State, int]:
         """Best state found from `start` (n,3), in its worst cell no worse than `origin`, and the number of rounds."""

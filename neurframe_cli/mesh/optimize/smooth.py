@@ -7,17 +7,20 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from neurframe_cli.errors import InvalidMesh
-from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part
+from neurframe_cli.mesh.arrays import Bools, Features, Floats, Ints, Progress, Surface, part, silent
 from neurframe_cli.mesh.optimize.cell_kind import CellKind
 from neurframe_cli.mesh.optimize.classify import Classification, classify
+from neurframe_cli.mesh.optimize.constraints import FREE, Constraints
 from neurframe_cli.mesh.optimize.distance_probe import BothDiagonals, DistanceProbe
 from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver, State
 from neurframe_cli.mesh.optimize.mend_quads import mend_poor_quads
 from neurframe_cli.mesh.optimize.patches import Patches, outward_normals
 from neurframe_cli.mesh.optimize.reach import reach_far_places
-from neurframe_cli.mesh.optimize.soft_constraints import Placed, SoftConstraints
+from neurframe_cli.mesh.optimize.released import released
+from neurframe_cli.mesh.optimize.soft_constraints import BAD, Placed, SoftConstraints
 from neurframe_cli.mesh.quality.polygons import unique_edges
 
+RINGS = 3  # of hexes whose features let go
 PASSED_BY = (
     0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
 )
@@ -27,13 +30,16 @@ PASSED_BY = (
 class SmoothOptions:
     """hausdorff_limit, in bounding-box diagonals of the input: the distance of a boundary face may grow up to it, and
     not at all beyond; reach_limit, likewise: quads that leave places of the surface farther away are moved to them;
-    mend_limit, likewise: how far faces may get for the sake of poor quads; samples on the surface for distances, seed
-    for their places."""
+    mend_limit, likewise: how far faces may get for the sake of poor quads; soft_first: hexes that are away from the
+    surface all over are drawn to it by the soft constraints before anything else; release: the scaled Jacobian of
+    hexes at which features let go of them; samples on the surface for distances, seed for their places."""
 
     improve: ImproveOptions = field(default_factory=ImproveOptions)
     hausdorff_limit: float = 0.01
     reach_limit: float = 0.004
     mend_limit: float = 0.005
+    soft_first: bool = False
+    release: float = BAD
     samples: int = 10_000
     seed: int = 0
 
@@ -97,16 +103,30 @@ def smooth_cells(
     diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
     first = Placed(improver.first, probe.measure(X))
     limit = options.hausdorff_limit * diagonal
-    soft = SoftConstraints(improver, X, classified.start, probe, limit)
-    improved, rounds = improver.run(first.state, classified.start, part(progress, 0.0, 0.5))
-    final = _within(improver, first, improved, probe, limit)
-    if normals is None and final.state.inverted and (found := soft.untangled()) is not None:
+    begin = X
+    if options.soft_first:
+        loose = improver.constrained(Constraints(np.full(len(X), FREE), X, []))
+        begin = loose.run(first.state, X, silent)[
+            0
+        ].x  # far from inverted, or the barrier would hold all of it
+    soft = SoftConstraints(improver, begin, classified.start, probe, limit, sliding=options.soft_first)
+    origin = (soft.untangled() if options.soft_first else None) or first
+    start = classified.start if origin is first else origin.state.x
+    improved, rounds = improver.run(origin.state, start, part(progress, 0.0, 0.5))
+    final = _within(improver, origin, improved, probe, limit)
+    if (
+        normals is None
+        and origin is first
+        and final.state.inverted
+        and (found := soft.untangled()) is not None
+    ):
         improved, more = improver.run(found.state, found.state.x, part(progress, 0.5, 1.0))
         final = _within(improver, found, improved, probe, limit)
         rounds += more
     released = 0
     if normals is None:
-        final = soft.nearer(final)
+        final = final if origin is not first else soft.nearer(final)
+        final = _let_go(improver, final, probe, limit, surface, options.release)
     held_back = int((final.state.x != improved.x).any(axis=1).sum())
     if normals is not None:
         final, released = _mended(improver, final, probe, classified.patches, options, diagonal)
@@ -121,6 +141,22 @@ def smooth_cells(
         released=released,
     )
     return SmoothedMesh(final.state.x, report)
+
+
+def _let_go(
+    improver: Improver, placed: Placed, probe: DistanceProbe, limit: float, surface: Surface, least: float
+) -> Placed:
+    """Hexes better than `least`, where letting go of features in the poor ones makes them so, or as many rings of hexes
+    round these as needed."""
+    chosen: Bools = placed.state.quality <= least
+    for _ in range(RINGS):
+        if placed.state.quality.min() > least:
+            break
+        free = improver.constrained(released(improver.constraints, surface, improver.cells[chosen]))
+        improved = free.run(placed.state, placed.state.x, silent)[0]
+        placed = _within(free, placed, improved, probe, limit)
+        chosen = np.asarray(np.isin(improver.cells, improver.cells[chosen]).any(axis=1))
+    return placed
 
 
 def _within(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from neurframe_cli.mesh.arrays import Floats
-from neurframe_cli.mesh.optimize.approach import approach, retreat
+from neurframe_cli.mesh.optimize.approach import SLIDING, approach, retreat
 from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe, Distances
 from neurframe_cli.mesh.optimize.improve import Improver, State
 
@@ -22,12 +22,19 @@ class Placed:
 
 class SoftConstraints:
     """Hexes of `improver`, from their positions X (n,3) in the map towards the places of `start` (n,3); `limit`, in
-    units of the mesh, of their distance from the surface."""
+    units of the mesh, of their distance from the surface; `sliding`: places are never held."""
 
     def __init__(
-        self, improver: Improver, X: Floats, start: Floats, probe: DistanceProbe, limit: float
+        self,
+        improver: Improver,
+        X: Floats,
+        start: Floats,
+        probe: DistanceProbe,
+        limit: float,
+        sliding: bool = False,
     ) -> None:
         self.improver, self.X, self.start, self.probe, self.limit = improver, X, start, probe, limit
+        self.ways = (0.0,) if sliding or not improver.first.inverted else (SLIDING, 0.0)
         self._approached: list[State | None] = []
 
     def untangled(self) -> Placed | None:
@@ -53,7 +60,9 @@ class SoftConstraints:
     def _approach(self) -> State | None:
         """Worked out once."""
         if not self._approached:
-            self._approached.append(approach(self.improver, self.X, self.start, self._distance, self.limit))
+            improver, X, start = self.improver, self.X, self.start
+            found = approach(improver, X, start, self.ways, self._distance, self.limit)
+            self._approached.append(found)
         return self._approached[0]
 
     def _placed(self, state: State) -> Placed:

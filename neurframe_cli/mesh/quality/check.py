@@ -9,6 +9,7 @@ import numpy as np
 
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
 from neurframe_cli.mesh.hex_shell import HEX_FACES
+from neurframe_cli.mesh.measure import enclosed_volume
 from neurframe_cli.mesh.quality.distance import SurfaceDistance, surface_distance
 from neurframe_cli.mesh.quality.feature_recall import feature_recall
 from neurframe_cli.mesh.quality.hex_singular_graph import hex_singular_graph
@@ -107,12 +108,6 @@ def _hex_volumes(V: Floats, H: Ints) -> Floats:
     a, b, c, d = np.moveaxis(quads, 2, 0)
     cones = np.einsum("nfi,nfi->nf", a, np.cross(b, c) + np.cross(c, d))
     return np.asarray(cones.sum(axis=1) / 6)
-
-
-def enclosed_volume(V: Floats, F: Ints) -> float:
-    """Volume inside the closed surface V (n,3), F (m,3), outward."""
-    A, B, C = (V[F[:, i]] for i in range(3))
-    return float(np.einsum("ij,ij->i", A, np.cross(B, C)).sum() / 6)
 
 
 def _worse_distance(

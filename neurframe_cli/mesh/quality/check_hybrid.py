@@ -8,7 +8,8 @@ import numpy as np
 
 from neurframe_cli.mesh.arrays import Surface
 from neurframe_cli.mesh.filling.hybrid_mesh import HybridMesh, measure_hybrid, outer_faces
-from neurframe_cli.mesh.quality.check import CheckOptions, Verdict, enclosed_volume
+from neurframe_cli.mesh.measure import enclosed_volume
+from neurframe_cli.mesh.quality.check import CheckOptions, Verdict
 from neurframe_cli.mesh.quality.distance import surface_distance
 from neurframe_cli.mesh.quality.polygons import (
     topology,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Floats, Ints, Surface
+from neurframe_cli.mesh.measure import triangle_areas
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ def _one_way(source: Surface, target: Surface, samples: int, rng: np.random.Gene
 def sample_surface(surface: Surface, samples: int, rng: np.random.Generator) -> Floats:
     """`samples` points (n,3), uniform by area."""
     A, B, C = (surface.V[surface.F[:, i]] for i in range(3))
-    area = np.linalg.norm(np.cross(B - A, C - A), axis=1)
+    area = triangle_areas(surface.V, surface.F)
     chosen: Ints = rng.choice(len(area), size=samples, p=area / area.sum())
     r, s = np.sqrt(rng.random(samples))[:, None], rng.random(samples)[:, None]
     return np.asarray((1 - r) * A[chosen] + r * (1 - s) * B[chosen] + r * s * C[chosen])

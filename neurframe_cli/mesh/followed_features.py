@@ -1,0 +1,66 @@
+"""What of a surface's features elements of a given size can follow: long curves, and tips that are no feature."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
+from neurframe_cli.mesh.features import features_from_edges
+
+LEAST_CURVE = 1.5  # lengths of an element; no edge needs to follow a shorter one
+POINTED = (
+    0.75 * np.pi
+)  # curvature within an element's length; a half ball has 2 pi, the corner of a cube pi / 2
+
+
+def followed_features(surface: Surface, features: Features, length: float) -> Features:
+    """The feature curves that are not too short for elements of `length`, and as corners of their own the tips that are
+    farther than that from them."""
+    from scipy.spatial import cKDTree
+
+    steps = [surface.V[chain[1:]] - surface.V[chain[:-1]] for chain in features.chains]
+    long = [
+        chain
+        for chain, step in zip(features.chains, steps, strict=True)
+        if np.linalg.norm(step, axis=1).sum() >= LEAST_CURVE * length
+    ]
+    edges = [np.stack([chain[1:], chain[:-1]], axis=1) for chain in long]
+    kept = features_from_edges(
+        surface.V, np.concatenate([*edges, np.zeros((0, 2), np.int64)]), features.corners
+    )
+    tips, known = surface_tips(surface, length), np.unique(kept.edges)
+    if len(tips) and len(known):
+        tips = tips[cKDTree(surface.V[known]).query(surface.V[tips])[0] > length]
+    return replace(kept, corners=np.union1d(kept.corners, tips).astype(np.int64))
+
+
+def surface_tips(surface: Surface, length: float) -> Ints:
+    """Vertices (k,) of the surface, at least twice `length` apart, round which the Gaussian curvature within `length`
+    is more than POINTED, the most pointed of their surroundings."""
+    from scipy.spatial import cKDTree
+
+    used = np.unique(surface.F)
+    P, curvature = surface.V[used], angle_defects(surface)[used]
+    tree = cKDTree(P)
+    within = np.array([curvature[near].sum() for near in tree.query_ball_point(P, length)])
+    free, tips = np.ones(len(P), bool), []
+    for i in np.argsort(-within, kind="stable"):
+        if within[i] <= POINTED:
+            break
+        if free[i]:
+            tips.append(int(used[i]))
+            free[tree.query_ball_point(P[i], 2 * length)] = False
+    return np.array(sorted(tips), np.int64)
+
+
+def angle_defects(surface: Surface) -> Floats:
+    """Integrated Gaussian curvature (n,) at each vertex: 2 pi less the sum of the angles of its triangles."""
+    P = surface.V[surface.F]
+    sums = np.zeros(len(surface.V))
+    for i in range(3):
+        a, b = P[:, (i + 1) % 3] - P[:, i], P[:, (i + 2) % 3] - P[:, i]
+        angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("fd,fd->f", a, b))
+        np.add.at(sums, surface.F[:, i], angle)
+    return np.asarray(2 * np.pi - sums)

@@ -1,0 +1,121 @@
+"""Cells of a regular grid that lie in a solid, as hexes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from neurframe_cli.mesh.arrays import Floats, Ints, Surface
+from neurframe_cli.mesh.hex_shell import hex_shell
+from neurframe_cli.mesh.inside import depth_in_surface
+from neurframe_cli.mesh.measure import surface_area
+from neurframe_cli.mesh.quality.distance import sample_surface
+from neurframe_cli.mesh.quality.polygons import triangulated
+
+CORNERS = np.array(
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
+)  # of a cell, VTK order
+PASSED_BY = (
+    0.6  # edges of a cell; a place of the surface that is farther from all cells lies in one that is missing
+)
+SAMPLES_PER_FACE = 20  # of a cell, on the surface
+MOST_SAMPLES = 400_000
+ROUNDS = 3  # of adding missing cells
+TURN_GAIN = 1.05  # times as much area along the axes is worth turning the grid
+STARTS, STEPS = 12, 50  # of the search for axes
+
+
+@dataclass(frozen=True)
+class Grid:
+    """axes (3,3): unit rows, right-handed; lower (3,), step (3,) along them; counts (3,) of cells."""
+
+    axes: Floats
+    lower: Floats
+    step: Floats
+    counts: Ints
+
+    def points(self, index: Floats | Ints) -> Floats:
+        """Points (k,3) at multiples (k,3) of the step."""
+        return np.asarray((self.lower + index * self.step) @ self.axes)
+
+    def cells_at(self, points: Floats) -> Ints:
+        """Which cells (k,3) the points (k,3) lie in; those outside, in the nearest one."""
+        index = np.floor((points @ self.axes.T - self.lower) / self.step).astype(np.int64)
+        return np.clip(index, 0, self.counts - 1)
+
+
+def grid_over(surface: Surface, axes: Floats, edge_length: float) -> Grid:
+    """The bounding box along the axes, in cells whose edges are as near to `edge_length` as fills it evenly."""
+    P = surface.V[np.unique(surface.F)] @ axes.T
+    lower, extent = P.min(axis=0), np.ptp(P, axis=0)
+    counts = np.maximum(1, np.round(extent / edge_length)).astype(np.int64)
+    return Grid(axes, lower, extent / counts, counts)
+
+
+def area_axes(surface: Surface) -> Floats:
+    """Axes (3,3) along which most of the area faces: the rotation R that maximises sum_f A_f |R n_f|_4^4, the
+    octahedral energy of the normals; those of the coordinates where turning gains little.
+
+    The sum is convex in R, so the best rotation for its linearisation never lowers it: R <- polar(sum A (R n)^3 n^T).
+    """
+    A, B, C = (surface.V[surface.F[:, i]] for i in range(3))
+    normal = np.cross(B - A, C - A)
+    area = np.linalg.norm(normal, axis=1)
+    normal = normal[area > 0] / area[area > 0, None]
+    area = area[area > 0] / area.sum()
+
+    def along(R: Floats) -> float:
+        return float(area @ ((normal @ R.T) ** 4).sum(axis=1))
+
+    rng = np.random.default_rng(0)
+    found = []
+    for R in (np.eye(3), *(_polar(rng.normal(size=(3, 3))) for _ in range(STARTS))):
+        for _ in range(STEPS):
+            R = _polar((area[:, None] * (normal @ R.T) ** 3).T @ normal)
+        found.append(R)
+    best = max(found, key=along)
+    return best if along(best) > TURN_GAIN * along(np.eye(3)) else np.eye(3)
+
+
+def _polar(M: Floats) -> Floats:
+    """The rotation (3,3) nearest to M (3,3)."""
+    U, _, W = np.linalg.svd(M)
+    U[:, -1] *= np.sign(np.linalg.det(U @ W))
+    return np.asarray(U @ W)
+
+
+def centre_depths(grid: Grid, surface: Surface) -> Floats:
+    """How deep the centre of each cell lies in the solid, (a,b,c) by its index, in edges; negative outside."""
+    index = np.stack(np.meshgrid(*map(np.arange, grid.counts), indexing="ij"), axis=-1)
+    depth = depth_in_surface(grid.points(np.asarray(index.reshape(-1, 3) + 0.5, np.float64)), surface)
+    return np.asarray(depth.reshape(index.shape[:-1]) / grid.step.mean())
+
+
+def with_passed_by(grid: Grid, cells: Ints, surface: Surface) -> Ints:
+    """The cells (k,3), and those at places of the surface that they pass by: tips, walls thinner than a cell."""
+    import igl
+
+    h = float(grid.step.mean())
+    count = int(np.clip(SAMPLES_PER_FACE * surface_area(surface.V, surface.F) / h**2, 1, MOST_SAMPLES))
+    P = sample_surface(surface, count, np.random.default_rng(0))
+    for _ in range(ROUNDS if len(cells) else 0):
+        V, H = hexes_of(grid, cells)
+        squared = igl.point_mesh_squared_distance(P, V, triangulated(hex_shell(H).quads))[0]
+        far = np.asarray(squared) > (PASSED_BY * h) ** 2
+        more = np.unique(np.concatenate([cells, grid.cells_at(P[far])]), axis=0)
+        if len(more) == len(cells):
+            break
+        cells = more
+    return cells
+
+
+def hexes_of(grid: Grid, cells: Ints) -> tuple[Floats, Ints]:
+    """V (n,3) and H (k,8) in VTK order of cells (k,3)."""
+    corners = cells[:, None, :] + CORNERS
+    size = grid.counts + 1
+    vertices, index = np.unique(
+        np.ravel_multi_index(tuple(corners.reshape(-1, 3).T), size), return_inverse=True
+    )
+    places = np.stack(np.unravel_index(vertices, size), axis=1)
+    return grid.points(places), np.asarray(index.reshape(-1, 8), np.int64)

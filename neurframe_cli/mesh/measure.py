@@ -1,0 +1,27 @@
+"""Area and volume of triangle meshes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from neurframe_cli.mesh.arrays import Floats, Ints
+
+
+def triangle_areas(V: Floats, F: Ints) -> Floats:
+    """Area (m,) of each triangle."""
+    A, B, C = (V[F[:, i]] for i in range(3))
+    return np.asarray(np.linalg.norm(np.cross(B - A, C - A), axis=1) / 2)
+
+
+def surface_area(V: Floats, F: Ints) -> float:
+    """Area of all triangles."""
+    return float(triangle_areas(V, F).sum())
+
+
+def enclosed_volume(V: Floats, F: Ints) -> float:
+    """Signed volume of a closed surface, positive when its triangles are counter-clockwise seen from outside.
+
+    About a corner of the model, so that one far from the origin does not cancel.
+    """
+    A, B, C = ((V - V[F[0, 0]])[F[:, i]] for i in range(3))
+    return float(np.einsum("ij,ij->", np.cross(A, B), C) / 6)

@@ -1,0 +1,128 @@
+"""Hexes of a regular grid: which cells, along which axes, and what they become at the surface."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+from neurframe_cli.errors import NotValid
+from neurframe_cli.mesh.arrays import Features, Surface, as_surface
+from neurframe_cli.mesh.features import features_by_angle
+from neurframe_cli.mesh.grid_cells import area_axes, centre_depths, grid_over, hexes_of, with_passed_by
+from neurframe_cli.mesh.measure import enclosed_volume, surface_area
+from neurframe_cli.mesh.pinches import has_topology_of
+from neurframe_cli.mesh.quality.check import CheckOptions, check_hexes
+from neurframe_cli.mesh.quality.scaled_jacobian import hex_scaled_jacobians
+from neurframe_cli.pipeline.sizing import ElementSize
+from neurframe_cli.stages import grid_hexes as stage
+from neurframe_cli.stages.grid_hexes import GridOptions, grid_hexes
+from neurframe_cli.stages.pad_hexes import wrap_hexes
+
+
+def surface_of(mesh: Any) -> Surface:
+    return as_surface(mesh.vertices, mesh.faces)
+
+
+def turned(mesh: Any) -> Any:
+    rotation = trimesh.transformations.euler_matrix(0.3, 0.5, 0.2)
+    return mesh.apply_transform(rotation)
+
+
+def features_of(surface: Surface) -> Features:
+    return features_by_angle(surface.V, surface.F, 45.0)
+
+
+def test_axes_are_those_of_a_turned_box() -> None:
+    box = trimesh.creation.box(extents=(1.0, 2.0, 3.0))
+    found = area_axes(surface_of(turned(box.copy())))
+    wanted = trimesh.transformations.euler_matrix(0.3, 0.5, 0.2)[:3, :3].T
+    # each found axis is one of the box's, up to its sign
+    assert np.abs(found @ wanted.T).max(axis=1) == pytest.approx(np.ones(3), abs=1e-9)
+    assert np.linalg.det(found) == pytest.approx(1.0)
+    np.testing.assert_array_equal(area_axes(surface_of(box)), np.eye(3))
+    np.testing.assert_array_equal(area_axes(surface_of(trimesh.creation.icosphere(3))), np.eye(3))
+
+
+def test_a_grid_fills_a_turned_box_without_a_remainder() -> None:
+    surface = surface_of(turned(trimesh.creation.box(extents=(1.0, 2.0, 3.0))))
+    grid = grid_over(surface, area_axes(surface), 0.45)
+    assert sorted(grid.counts) == [2, 4, 7]
+    depth = centre_depths(grid, surface)
+    assert (depth > 0.0).all()
+    V, H = hexes_of(grid, np.argwhere(depth > 0.0))
+    assert len(H) == 2 * 4 * 7
+    assert check_hexes(V, H, surface, features_of(surface), CheckOptions()).valid
+    assert hex_scaled_jacobians(V, H).min() == pytest.approx(1.0)
+
+
+def test_cells_are_added_where_the_surface_passes_them_by() -> None:
+    """A spike on a block, thinner than a cell, so that no centre lies in it."""
+    block = trimesh.creation.box(extents=(1.0, 1.0, 1.0))
+    spike = trimesh.creation.box(extents=(0.06, 0.06, 0.5)).apply_translation((0.25, 0.25, 0.75))
+    surface = surface_of(trimesh.util.concatenate([block, spike]))
+    grid = grid_over(surface, np.eye(3), 0.125)
+    cells = np.argwhere(centre_depths(grid, surface) > 0.0)
+    added = with_passed_by(grid, cells, surface)
+    assert {tuple(c) for c in cells} < {tuple(c) for c in added}
+    top = hexes_of(grid, added)[0][:, 2].max()
+    assert top == pytest.approx(surface.V[:, 2].max())
+
+
+def test_a_layer_round_all_hexes_inverts_none() -> None:
+    surface = surface_of(trimesh.creation.icosphere(3))
+    grid = grid_over(surface, np.eye(3), 0.3)
+    V, H = hexes_of(grid, np.argwhere(centre_depths(grid, surface) > 0.0))
+    wrapped, cells = wrap_hexes(V, H)
+    assert has_topology_of(cells, surface)
+    assert (cells[: len(H)] == H).all()
+    assert hex_scaled_jacobians(wrapped, cells).min() >= 0.0
+
+
+MODELS = {
+    "ball": trimesh.creation.icosphere(4),
+    "turned box": turned(trimesh.creation.box(extents=(1.0, 1.3, 0.8))),
+    "cone": trimesh.creation.cone(0.5, 1.2, sections=32),
+    "ring": trimesh.creation.torus(1.0, 0.35, major_sections=48, minor_sections=24),
+    "wheel": trimesh.creation.annulus(0.3, 0.7, 0.4, sections=48),
+}
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_a_grid_becomes_valid_hexes(name: str) -> None:
+    surface = surface_of(MODELS[name])
+    features = features_of(surface)
+    diagonal = float(np.linalg.norm(np.ptp(surface.V, axis=0)))
+    made = grid_hexes(surface, features, diagonal / 16, GridOptions())
+    verdict = check_hexes(made.V, made.cells, surface, features, CheckOptions())
+    assert verdict.valid
+    assert verdict.numbers["min_scaled_jacobian"] > 0.05
+    assert made.report["grid"][-1]["finer"] == made.finer
+
+
+def test_a_grid_is_refined_until_it_has_the_topology_of_the_surface() -> None:
+    surface = surface_of(trimesh.creation.annulus(0.1, 0.5, 0.3, sections=48))
+    made = grid_hexes(surface, features_of(surface), 0.5, GridOptions())
+    assert not made.report["grid"][0]["topology"]
+    assert made.finer > 1.0
+
+
+def test_what_was_wrong_with_each_grid_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two balls that touch in almost a point: no cell is small enough."""
+    monkeypatch.setattr(stage, "FINER", (1.0, 1.5))
+    one = trimesh.creation.icosphere(2)
+    other = one.copy().apply_translation((2.001, 0.0, 0.0))
+    surface = surface_of(trimesh.util.concatenate([one, other]))
+    strict = GridOptions(check=CheckOptions(hausdorff_limit=1e-6))
+    with pytest.raises(NotValid, match=r"x 1: .*; x 1\.5: "):
+        grid_hexes(surface, features_of(surface), 0.7, strict)
+
+
+def test_the_edge_of_a_count_is_that_of_cubes_and_a_layer() -> None:
+    surface = surface_of(trimesh.creation.icosphere(3))
+    h = ElementSize(count=2000).layered_edge(surface)
+    volume, area = enclosed_volume(surface.V, surface.F), surface_area(surface.V, surface.F)
+    assert volume / h**3 + area / h**2 == pytest.approx(2000)
+    assert ElementSize(edge_length=0.2).layered_edge(surface) == 0.2
