@@ -23,6 +23,7 @@ def command(workspace: Path | None, force: bool, threads: int, console: Console,
     """Parametrise the tets along the frames (CubeCover), extract the hexes (HexEx), smooth and check them.
 
     Writes map.hexex (the integer-grid map), hex.vtk and hex.mesh; exit code 4 where the hexes are not valid.
+    Where no map gives valid ones they are those of a regular grid, and a warning says so, unless --no-grid.
     With --fill filled.vtu and filled.msh then hold them with pyramids and tets in place of what is missing or bad.
     """
     from neurframe_cli.cli.chain import mesh_request, mesh_stage
