@@ -9,8 +9,9 @@ Between the two lies the minimum of
 with the corner energy E, a barrier once nothing is inverted, the places p_i where the constraints want the vertices,
 and the curvatures c_i of E.  The smallest weight w that brings the mesh near enough leaves the best hexes.  The places
 slide along the surface, or are held at first: without weight a mesh with inverted hexes shrinks away from the surface
-to untangle, and what is nearest there is not where it came from.  Where hexes are inverted both ways are tried, that
-one first.  A mesh that is near already starts with a large weight, or its vertices would slide and leave gaps.
+to untangle, and what is nearest there is not where it came from.  Both ways are tried for the hexes of a map, that one
+first where hexes are inverted.  A mesh that is near already starts with a large weight, or its vertices would slide to
+where they leave gaps.
 """
 
 from __future__ import annotations

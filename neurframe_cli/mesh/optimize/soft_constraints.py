@@ -34,7 +34,8 @@ class SoftConstraints:
         sliding: bool = False,
     ) -> None:
         self.improver, self.X, self.start, self.probe, self.limit = improver, X, start, probe, limit
-        self.ways = (0.0,) if sliding or not improver.first.inverted else (SLIDING, 0.0)
+        both = (SLIDING, 0.0) if improver.first.inverted else (0.0, SLIDING)
+        self.ways = (0.0,) if sliding else both
         self._approached: list[State | None] = []
 
     def untangled(self) -> Placed | None:
