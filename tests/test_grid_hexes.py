@@ -105,18 +105,21 @@ def test_a_grid_becomes_valid_hexes(name: str) -> None:
 def test_a_grid_is_refined_until_it_has_the_topology_of_the_surface() -> None:
     surface = surface_of(trimesh.creation.annulus(0.1, 0.5, 0.3, sections=48))
     made = grid_hexes(surface, features_of(surface), 0.5, GridOptions())
-    assert not made.report["grid"][0]["topology"]
+    assert "topology" in made.report["grid"][0]["refused"]
     assert made.finer > 1.0
 
 
 def test_what_was_wrong_with_each_grid_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two balls that touch in almost a point: no cell is small enough."""
-    monkeypatch.setattr(stage, "FINER", (1.0, 1.5))
+    """Two balls almost in touch, and a wish that no mesh fulfils."""
     one = trimesh.creation.icosphere(2)
     other = one.copy().apply_translation((2.001, 0.0, 0.0))
     surface = surface_of(trimesh.util.concatenate([one, other]))
     strict = GridOptions(check=CheckOptions(hausdorff_limit=1e-6))
-    with pytest.raises(NotValid, match=r"x 1: .*; x 1\.5: "):
+    monkeypatch.setattr(stage, "HOPELESS", np.inf)
+    monkeypatch.setattr(stage, "MOST_HEXES", 400)
+    monkeypatch.setattr(stage, "MOST_CELLS", 1000)
+    wanted = r"x 1: .*topology.*; x 1\.5: Hausdorff.*; x 2: more than 400 hexes; x 3: a grid of more than 1,000 cells"
+    with pytest.raises(NotValid, match=wanted):
         grid_hexes(surface, features_of(surface), 0.7, strict)
 
 

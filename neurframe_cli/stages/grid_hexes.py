@@ -26,8 +26,9 @@ from neurframe_cli.stages.finish_hexes import POOR
 from neurframe_cli.stages.pad_hexes import wrap_hexes
 from neurframe_cli.stages.smooth_hexes import HEX_OPTIONS, smooth_hexes
 
-FINER = (1.0, 1.5, 2.0, 3.0)  # times as many cells along each edge as asked for
+FINER = (1.0, 1.5, 2.0, 3.0, 4.0)  # times as many cells along each edge as asked for
 MOST_HEXES = 60_000  # of a finer grid than was asked for
+MOST_CELLS = 20_000_000  # of a grid, inside and outside: 1.5 GB
 # how deep the centre of a cell lies at least, in its edges; the first that gives the topology of the surface is taken
 DEPTHS = (0.0, -0.1, 0.1, -0.2, 0.2, -0.3, 0.3, -0.4, -0.5, -0.6)
 LEAST_GAIN = 3e-5  # of a corner in a round; few hexes are poor, and the mean gains little with them
@@ -76,55 +77,65 @@ def grid_hexes(
     """
     axes = area_axes(surface)
     tried: list[dict[str, Any]] = []
-    valid: GridHexes | None = None
+    found: GridHexes | None = None
     for number, finer in enumerate(FINER):
         if tried and _too_coarse(tried[-1], finer, options.check.hausdorff_limit):
             continue
         steps = part(progress, number / len(FINER), (number + 1) / len(FINER))
         grid = grid_over(surface, axes, edge_length / finer)
-        steps(0.0, f"grid of {' x '.join(map(str, grid.counts))} cells")
-        start = _layered(grid, surface)
-        if start is None:
-            tried.append({"finer": finer, "topology": False})
+        try:
+            smoothed, H = _on_surface(grid, surface, features, options.smoothing, finer > 1.0, steps)
+        except NotValid as error:
+            tried.append({"finer": finer, "refused": str(error)})
             continue
-        V, H = start
-        if finer > 1.0 and len(H) > MOST_HEXES:
-            break
-        followed = followed_features(surface, features, edge_length / finer)
-        smoothed = smooth_hexes(
-            V, H, surface, followed, options.smoothing, part(steps, 0.1, 0.9), voids=False
+        verdict = check_hexes(smoothed.V, H, surface, features, options.check)
+        refused = None if verdict.valid else ", ".join(verdict.problems)
+        tried.append(
+            {"finer": finer, "refused": refused, "cells": len(H), "smoothing": asdict(smoothed.report)}
         )
-        tried.append(_told(finer, H, smoothed))
-        if check_hexes(smoothed.V, H, surface, features, options.check).valid:
-            valid = GridHexes(smoothed.V, H, finer, {"smoothing": tried[-1]["smoothing"], "grid": tried})
+        if verdict.valid:
+            found = GridHexes(smoothed.V, H, finer, {"smoothing": tried[-1]["smoothing"], "grid": tried})
             if smoothed.report.after.min_scaled_jacobian > BAD:
                 break
-    if valid is None:
-        raise NotValid(f"no grid of cells gives hexes that pass: {'; '.join(map(_in_words, tried))}")
-    return valid
+    if found is None:
+        told = "; ".join(f"x {attempt['finer']:g}: {attempt['refused']}" for attempt in tried)
+        raise NotValid(f"no grid of cells gives hexes that pass: {told}")
+    return found
 
 
 def _too_coarse(last: dict[str, Any], finer: float, limit: float) -> bool:
-    """Whether a grid so much finer will be too far away as well: the distance shrinks like the edges at least."""
-    if not last["topology"] or finer == FINER[-1]:
+    """Whether a grid so much finer will be too far away as well: the distance shrinks like the edges at least.  The last
+    two are tried all the same."""
+    if "smoothing" not in last or finer in FINER[-2:]:
         return False
     expected: float = last["smoothing"]["after"]["hausdorff"] * last["finer"] / finer
     return expected > HOPELESS * limit
 
 
-def _told(finer: float, H: Ints, smoothed: SmoothedMesh) -> dict[str, Any]:
-    return {"finer": finer, "topology": True, "cells": len(H), "smoothing": asdict(smoothed.report)}
+def _on_surface(
+    grid: Grid,
+    surface: Surface,
+    features: Features,
+    smoothing: SmoothOptions,
+    bounded: bool,
+    progress: Progress,
+) -> tuple[SmoothedMesh, Ints]:
+    """The cells of the grid in the solid, with a layer round them that lies on the surface.
 
-
-def _in_words(attempt: dict[str, Any]) -> str:
-    """What was wrong with one grid."""
-    if not attempt["topology"]:
-        return f"x {attempt['finer']:g}: cells with another topology than the surface"
-    after = attempt["smoothing"]["after"]
-    return (
-        f"x {attempt['finer']:g}: {attempt['cells']} hexes, worst scaled Jacobian "
-        f"{after['min_scaled_jacobian']:.3f}, {100 * after['hausdorff']:.2f} % off"
-    )
+    Raises NotValid where there are none with the topology of the surface, or more than can be smoothed in minutes if
+    `bounded`.
+    """
+    progress(0.0, f"grid of {' x '.join(map(str, grid.counts))} cells")
+    if int(grid.counts.prod()) > MOST_CELLS:
+        raise NotValid(f"a grid of more than {MOST_CELLS:,} cells")
+    start = _layered(grid, surface)
+    if start is None:
+        raise NotValid("cells with another topology than the surface")
+    V, H = start
+    if bounded and len(H) > MOST_HEXES:
+        raise NotValid(f"more than {MOST_HEXES:,} hexes")
+    followed = followed_features(surface, features, float(grid.step.mean()))
+    return smooth_hexes(V, H, surface, followed, smoothing, part(progress, 0.1, 0.9), voids=False), H
 
 
 def _layered(grid: Grid, surface: Surface) -> tuple[Floats, Ints] | None:
