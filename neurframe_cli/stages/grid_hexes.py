@@ -104,8 +104,8 @@ def grid_hexes(
 
 
 def _too_coarse(last: dict[str, Any], finer: float, limit: float) -> bool:
-    """Whether a grid so much finer will be too far away as well: the distance shrinks like the edges at least.  The last
-    two are tried all the same."""
+    """Whether a grid so much finer will be too far away as well: the distance shrinks like the edges at least.  The
+    last two are tried all the same."""
     if "smoothing" not in last or finer in FINER[-2:]:
         return False
     expected: float = last["smoothing"]["after"]["hausdorff"] * last["finer"] / finer
