@@ -28,6 +28,9 @@ from neurframe_cli.stages.finish_hexes import FinishedHexes, FinishOptions, fini
 from neurframe_cli.stages.grid_hexes import GridHexes, GridOptions, grid_hexes
 
 MOST_MAPS = 2  # whose hexes are finished; each takes as long as the first one
+FAR_OFF = (
+    0.02  # bounding-box diagonals; where the best map's hexes are farther away another map's are not tried
+)
 POLYCUBE = "the learned field carries no map here: the hexes follow a polycube, without singular lines inside"
 
 
@@ -105,7 +108,9 @@ class _HexMaker:
     def best_hexes(self, best: ProgramResult, progress: Progress) -> _Hexes:
         """Those of the `best` map, or where these do not pass, of another valid one, which then is the workspace's."""
         made = self.hexes(best, self.map_file, part(progress, 0.0, 0.4))
-        return made if made.finished.fine else self.another(made, part(progress, 0.4, 1.0))
+        if made.finished.fine or made.finished.numbers.hausdorff > FAR_OFF:
+            return made
+        return self.another(made, part(progress, 0.4, 1.0))
 
     def on_grid(self, why: str) -> GridHexes | None:
         """Hexes of a grid, with the reason `why` in a warning; None where they are not wanted or do not pass either."""

@@ -27,7 +27,7 @@ from neurframe_cli.stages.pad_hexes import wrap_hexes
 from neurframe_cli.stages.smooth_hexes import HEX_OPTIONS, smooth_hexes
 
 FINER = (1.0, 1.5, 2.0, 3.0, 4.0)  # times as many cells along each edge as asked for
-MOST_HEXES = 60_000  # of a finer grid than was asked for
+MOST_HEXES = 100_000  # of a finer grid than was asked for
 MOST_CELLS = 20_000_000  # of a grid, inside and outside: 1.5 GB
 # how deep the centre of a cell lies at least, in its edges; the first that gives the topology of the surface is taken
 DEPTHS = (0.0, -0.1, 0.1, -0.2, 0.2, -0.3, 0.3, -0.4, -0.5, -0.6)

@@ -103,12 +103,7 @@ def smooth_cells(
     diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
     first = Placed(improver.first, probe.measure(X))
     limit = options.hausdorff_limit * diagonal
-    begin = X
-    if options.soft_first:
-        loose = improver.constrained(Constraints(np.full(len(X), FREE), X, []))
-        begin = loose.run(first.state, X, silent)[
-            0
-        ].x  # far from inverted, or the barrier would hold all of it
+    begin = _loose(improver, first.state) if options.soft_first else X
     soft = SoftConstraints(improver, begin, classified.start, probe, limit, sliding=options.soft_first)
     origin = (soft.untangled() if options.soft_first else None) or first
     start = classified.start if origin is first else origin.state.x
@@ -141,6 +136,13 @@ def smooth_cells(
         released=released,
     )
     return SmoothedMesh(final.state.x, report)
+
+
+def _loose(improver: Improver, state: State) -> Floats:
+    """Positions (n,3) with better hexes, nothing being held: a hex that is all but inverted makes the barrier hold all
+    of the mesh."""
+    held = Constraints(np.full(len(state.x), FREE), state.x, [])
+    return improver.constrained(held).run(state, state.x, silent)[0].x
 
 
 def _let_go(
