@@ -12,6 +12,7 @@ from neurframe_cli.errors import NotValid
 from neurframe_cli.mesh.arrays import Features, Surface, as_surface
 from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.grid_cells import area_axes, centre_depths, grid_over, hexes_of, with_passed_by
+from neurframe_cli.mesh.hex_shell import hex_shell
 from neurframe_cli.mesh.measure import enclosed_volume, surface_area
 from neurframe_cli.mesh.pinches import has_topology_of
 from neurframe_cli.mesh.quality.check import CheckOptions, check_hexes
@@ -19,7 +20,7 @@ from neurframe_cli.mesh.quality.scaled_jacobian import hex_scaled_jacobians
 from neurframe_cli.pipeline.sizing import ElementSize
 from neurframe_cli.stages import grid_hexes as stage
 from neurframe_cli.stages.grid_hexes import GridOptions, grid_hexes
-from neurframe_cli.stages.pad_hexes import wrap_hexes
+from neurframe_cli.stages.pad_hexes import pillow_hexes
 
 
 def surface_of(mesh: Any) -> Surface:
@@ -29,6 +30,11 @@ def surface_of(mesh: Any) -> Surface:
 def turned(mesh: Any) -> Any:
     rotation = trimesh.transformations.euler_matrix(0.3, 0.5, 0.2)
     return mesh.apply_transform(rotation)
+
+
+def inside_out(mesh: Any) -> Any:
+    mesh.invert()
+    return mesh
 
 
 def features_of(surface: Surface) -> Features:
@@ -71,14 +77,18 @@ def test_cells_are_added_where_the_surface_passes_them_by() -> None:
     assert top == pytest.approx(surface.V[:, 2].max())
 
 
-def test_a_layer_round_all_hexes_inverts_none() -> None:
+def test_a_layer_lies_round_all_hexes() -> None:
     surface = surface_of(trimesh.creation.icosphere(3))
     grid = grid_over(surface, np.eye(3), 0.3)
     V, H = hexes_of(grid, np.argwhere(centre_depths(grid, surface) > 0.0))
-    wrapped, cells = wrap_hexes(V, H)
+    before = hex_shell(H).quads
+    layered, cells = pillow_hexes(V, H)
+    after = hex_shell(cells).quads
     assert has_topology_of(cells, surface)
     assert (cells[: len(H)] == H).all()
-    assert hex_scaled_jacobians(wrapped, cells).min() >= 0.0
+    assert len(cells) == len(H) + len(before) == len(H) + len(after)
+    np.testing.assert_allclose(layered[after].mean(axis=1), V[before].mean(axis=1))
+    assert np.bincount(hex_shell(cells).owner).max() == 1  # before, hexes had up to three faces outside
 
 
 MODELS = {
@@ -86,6 +96,12 @@ MODELS = {
     "turned box": turned(trimesh.creation.box(extents=(1.0, 1.3, 0.8))),
     "cone": trimesh.creation.cone(0.5, 1.2, sections=32),
     "ring": trimesh.creation.torus(1.0, 0.35, major_sections=48, minor_sections=24),
+    "hollow ball": trimesh.util.concatenate(
+        [trimesh.creation.icosphere(3), inside_out(trimesh.creation.icosphere(3, radius=0.5))]
+    ),
+    "two boxes": trimesh.util.concatenate(
+        [trimesh.creation.box(), turned(trimesh.creation.box()).apply_translation((2.5, 0.0, 0.0))]
+    ),
     "wheel": trimesh.creation.annulus(0.3, 0.7, 0.4, sections=48),
 }
 

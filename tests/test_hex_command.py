@@ -13,7 +13,7 @@ import pytest
 from field_shapes import box_tets, cylinder_tets, four_line_frames
 
 from neurframe_cli.cli.main import run_command_line
-from neurframe_cli.errors import NotValid
+from neurframe_cli.errors import NotEnoughMemory, NotValid
 from neurframe_cli.mesh.arrays import Floats, Ints, Progress, Surface, as_tets, silent
 from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.filling.hybrid_files import read_hybrid
@@ -31,6 +31,7 @@ from neurframe_cli.pipeline.runner import run_stage
 from neurframe_cli.pipeline.sizing import ElementSize, element_size
 from neurframe_cli.pipeline.workspace import Workspace
 from neurframe_cli.stages.finish_hexes import FinishedHexes, finish_hexes
+from neurframe_cli.stages.grid_hexes import GridHexes, grid_hexes
 
 
 def stored(folder: Path, V: Floats, T: Ints, frames: Floats) -> Workspace:
@@ -126,7 +127,7 @@ def test_the_next_valid_map_is_taken_where_the_hexes_of_the_best_do_not_pass(
         return replace(result, statistics=result.statistics | {"valid_maps": 2, "number": asked[-1]})
 
     def first_ones_do_not_pass(*arguments: Any) -> FinishedHexes:
-        return replace(finish_hexes(*arguments), fine=asked[-1] > 1)
+        return replace(finish_hexes(*arguments), problems=() if asked[-1] > 1 else ("too round",))
 
     monkeypatch.setattr(hex_maps, "run_program", two_maps)
     monkeypatch.setattr(hex_maps, "finish_hexes", first_ones_do_not_pass)
@@ -148,7 +149,7 @@ def test_a_grid_takes_the_place_of_hexes_that_do_not_pass(
     def none_passes(*arguments: Any) -> FinishedHexes:
         if not extracted:
             raise NotValid("no hex mesh could be extracted from the map")
-        return replace(finish_hexes(*arguments), fine=False)
+        return replace(finish_hexes(*arguments), problems=("too round",))
 
     monkeypatch.setattr(hex_maps, "finish_hexes", none_passes)
     size = element_size(None, float(np.ptp(V[:, 0])) / 3, None, 30.0)
@@ -160,6 +161,33 @@ def test_a_grid_takes_the_place_of_hexes_that_do_not_pass(
     assert [attempt["finer"] for attempt in record.report["grid"]] == [1.0]
     assert (workspace / "map.hexex").exists()
     assert ("of_the_map" in record.report) == extracted
+    assert any("too round" in warning for warning in record.warnings) == extracted
+
+
+def test_hexes_of_the_map_stay_where_a_grid_cannot_be_had_or_is_worse(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    V, T = box_tets((3, 3, 3))
+    size = element_size(None, float(np.ptp(V[:, 0])) / 3, None, 30.0)
+
+    def hardly_valid(*arguments: Any) -> FinishedHexes:
+        made = finish_hexes(*arguments)
+        return replace(made, numbers=replace(made.numbers, min_scaled_jacobian=0.04))
+
+    def no_memory(*arguments: Any) -> GridHexes:
+        raise NotEnoughMemory("6,000 MiB of memory are needed")
+
+    def worse(*arguments: Any) -> GridHexes:
+        return replace(grid_hexes(*arguments), worst=0.03)
+
+    monkeypatch.setattr(hex_maps, "finish_hexes", hardly_valid)
+    for name, other, says in (("full", no_memory, "6,000 MiB"), ("worse", worse, "")):
+        monkeypatch.setattr(hex_maps, "grid_hexes", other)
+        workspace = stored(tmp_path / name, V, T, np.tile(np.eye(3), (len(T), 1, 1)))
+        record = run_stage(workspace, hex_step(workspace, request(size, HexOptions())), silent).record
+        assert record.report["mesh"]["cells"] == 3**3
+        assert not any("regular grid" in warning for warning in record.warnings)
+        assert all(says in warning for warning in record.warnings)
 
 
 @pytest.mark.parametrize("options", [HexOptions(grid=False), HexOptions(fill=True)])

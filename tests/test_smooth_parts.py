@@ -18,9 +18,9 @@ from neurframe_cli.mesh.optimize.feature_curves import FeatureCurves, feature_cu
 from neurframe_cli.mesh.optimize.guard import guarded_step, least_allowed
 from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver
 from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise
+from neurframe_cli.mesh.optimize.let_go import let_go
 from neurframe_cli.mesh.optimize.match_curves import match_features
 from neurframe_cli.mesh.optimize.patches import components_cut_by
-from neurframe_cli.mesh.optimize.released import released
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
 from neurframe_cli.mesh.quality.polygons import triangulated, unique_edges
 from neurframe_cli.stages.smooth_hexes import boundary_quads
@@ -296,7 +296,7 @@ def test_features_let_go_of_the_hexes_that_they_flatten() -> None:
     constraints = classify(shape.V, faces, shape.surface, shape.features, solid=True).constraints
     corner = int((shape.V == 0.0).all(axis=1).argmax())
     cells = shape.cells[(shape.cells == corner).any(axis=1)]
-    free = released(constraints, shape.surface, cells)
+    free = let_go(constraints, shape.surface, cells)
     held = np.isin(constraints.kind, [ON_CURVE, PINNED])
     inside = np.isin(np.arange(len(shape.V)), cells)
     assert held[corner]

@@ -47,7 +47,8 @@ class Features:
     """Feature edges of a mesh as a graph over its vertices.
 
     edges (k,2) int64 vertex pairs, smaller index first; chains: vertex sequences that together cover every edge once
-    (closed chains repeat their first vertex at the end); corners (c,) int64: vertices where chains end or meet.
+    (closed chains repeat their first vertex at the end); corners (c,) int64: vertices where chains end or meet, and
+    others that a mesh must keep.
     """
 
     edges: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))

@@ -86,7 +86,7 @@ def _polar(M: Floats) -> Floats:
 
 
 def centre_depths(grid: Grid, surface: Surface) -> Floats:
-    """How deep the centre of each cell lies in the solid, (a,b,c) by its index, in edges; negative outside."""
+    """How deep the centre of each cell lies in the solid, (a,b,c) by its index, in mean edges; negative outside."""
     index = np.stack(np.meshgrid(*map(np.arange, grid.counts), indexing="ij"), axis=-1)
     depth = depth_in_surface(grid.points(np.asarray(index.reshape(-1, 3) + 0.5, np.float64)), surface)
     return np.asarray(depth.reshape(index.shape[:-1]) / grid.step.mean())
@@ -99,7 +99,7 @@ def with_passed_by(grid: Grid, cells: Ints, surface: Surface) -> Ints:
     h = float(grid.step.mean())
     count = int(np.clip(SAMPLES_PER_FACE * surface_area(surface.V, surface.F) / h**2, 1, MOST_SAMPLES))
     P = sample_surface(surface, count, np.random.default_rng(0))
-    for _ in range(ROUNDS if len(cells) else 0):
+    for _ in range(ROUNDS):
         V, H = hexes_of(grid, cells)
         squared = igl.point_mesh_squared_distance(P, V, triangulated(hex_shell(H).quads))[0]
         far = np.asarray(squared) > (PASSED_BY * h) ** 2

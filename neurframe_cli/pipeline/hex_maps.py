@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from neurframe_cli.errors import NotValid, StageError
+from neurframe_cli.errors import NotEnoughMemory, NotValid, StageError
 from neurframe_cli.field.fra import frame_count
 from neurframe_cli.mesh.arrays import Floats, Ints, Progress, part, silent
 from neurframe_cli.mesh.finer_map import write_finer_map
@@ -46,38 +46,43 @@ class _Hexes:
 def mapped_hexes(
     kind: MeshKind, context: StageContext, inputs: Mapping[str, Path], model: Model, request: MeshRequest
 ) -> MadeMesh:
-    """Parametrize, extract, finish (paper, section 5.1.2); the map that the hexes are of is then in the workspace.
+    """Parametrize, extract, finish (paper, section 5.1.2); where no hexes of a map pass, those of a grid.
 
-    Raises what run_program and extract raise for the best map; the others may fail, which is a warning.
+    The map that the hexes are of, or the best one where they are of none, is then in the workspace.  Raises what
+    run_program and, where there is no grid, extract raise for the best map; the others may fail, which is a warning.
     """
     tets = frame_count(inputs[FRAMES_FRA])
     context.expect("hex", Amount(tets, hexes=expected_hexes(model.surface, request.size)))
     maker = _HexMaker(kind, context, inputs, model, request)
     with atomic_path(maker.map_file) as path:
         best = maker.parametrize(path, 1, part(context.progress, 0.0, 0.4))
-    if best.statistics.get("polycube"):
-        context.warn(POLYCUBE)
     try:
         made = maker.best_hexes(best, part(context.progress, 0.4, 0.7))
     except NotValid as error:
-        grid = maker.on_grid(str(error))
+        grid = maker.on_grid(str(error), 0.0)
         if grid is None:
             raise
         return MadeMesh(CellMesh("hex", grid.V, grid.cells), best, None, grid.report)
-    if not made.finished.fine:
-        numbers = made.finished.numbers
+    finished = made.finished
+    if not finished.fine:
+        worst = finished.numbers.min_scaled_jacobian
+        why = (
+            ", ".join(finished.problems)
+            or f"a hex is all but inverted, with a scaled Jacobian of {worst:.3f}"
+        )
         grid = maker.on_grid(
-            f"{len(made.finished.cells)} hexes of the best map do not pass, their worst scaled Jacobian is "
-            f"{numbers.min_scaled_jacobian:.3f}, and they are {100 * numbers.hausdorff:.2f} % off"
+            f"the hexes of the best map are refused ({why})", 0.0 if finished.problems else worst
         )
         if grid is not None:
-            report = {**grid.report, "of_the_map": made.finished.report}
             cells = CellMesh("hex", grid.V, grid.cells)
+            report = {**grid.report, "of_the_map": finished.report}
             return MadeMesh(cells, made.parametrization, made.extraction, report)
-    for warning in made.finished.warnings:
+    if made.parametrization.statistics.get("polycube"):
+        context.warn(POLYCUBE)
+    for warning in finished.warnings:
         context.warn(warning)
-    cells = CellMesh("hex", made.finished.V, made.finished.cells)
-    return MadeMesh(cells, made.parametrization, made.extraction, made.finished.report)
+    cells = CellMesh("hex", finished.V, finished.cells)
+    return MadeMesh(cells, made.parametrization, made.extraction, finished.report)
 
 
 @dataclass(frozen=True)
@@ -112,16 +117,19 @@ class _HexMaker:
             return made
         return self.another(made, part(progress, 0.4, 1.0))
 
-    def on_grid(self, why: str) -> GridHexes | None:
-        """Hexes of a grid, with the reason `why` in a warning; None where they are not wanted or do not pass either."""
+    def on_grid(self, why: str, least: float) -> GridHexes | None:
+        """Hexes of a grid whose worst scaled Jacobian is above `least`, with the reason `why` in a warning; None where
+        they are not wanted or cannot be had: the hexes of the map, such as they are, must not be lost for that."""
         if not self.request.hexes.grid_allowed:
             return None
         edge_length, limits = self.request.size.layered_edge(self.model.surface), GridOptions()
         surface, features = self.model.surface, self.model.features
         try:
             made = grid_hexes(surface, features, edge_length, limits, part(self.context.progress, 0.7, 0.95))
-        except NotValid as error:
-            self.context.warn(str(error))
+        except (NotValid, NotEnoughMemory, MemoryError) as error:
+            self.context.warn(f"no hexes of a grid: {error}")
+            return None
+        if made.worst <= least:
             return None
         self.context.warn(f"{why}: the mesh is a regular grid with a layer to the surface{_finer(made)}")
         return made

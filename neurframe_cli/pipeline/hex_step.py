@@ -26,7 +26,8 @@ def hex_step(workspace: Workspace, request: MeshRequest) -> Step:
     """The stage bound to its files (paper, section 5.1.2)."""
     inputs = {name: workspace.require(name, "tetize INPUT") for name in (SURFACE, TETS, FEATURES)}
     inputs[FRAMES_FRA] = workspace.require(FRAMES_FRA, "discretize")
-    return mesh_step(HEX, inputs, request, lambda: read_surface(inputs[SURFACE]), asdict(request.hexes))
+    options = {**asdict(request.hexes), "grid": request.hexes.grid_allowed}
+    return mesh_step(HEX, inputs, request, lambda: read_surface(inputs[SURFACE]), options)
 
 
 def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, request: MeshRequest) -> MadeMesh:

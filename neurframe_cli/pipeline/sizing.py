@@ -35,7 +35,8 @@ class ElementSize:
         volume / h^3 + area / h^2 = n."""
         if self.count is None:
             return self.length(surface)
-        volume, area = enclosed_volume(surface.V, surface.F), surface_area(surface.V, surface.F)
+        volume = abs(enclosed_volume(surface.V, surface.F))
+        area = surface_area(surface.V, surface.F)
         return float(np.roots([self.count, 0.0, -area, -volume]).real.max())
 
     def arguments(self, surface: Surface, count_option: str) -> list[str]:

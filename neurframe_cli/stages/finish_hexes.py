@@ -39,16 +39,21 @@ class FinishOptions:
 
 @dataclass(frozen=True)
 class FinishedHexes:
-    """V (n,3), cells (h,8) with their numbers; fine: whether they pass the check and none is all but inverted; report:
+    """V (n,3), cells (h,8) with their numbers; problems: why they do not pass the check, none where they do; report:
     what each step did for them, and with `splitting`, the attempts at finer ones, that at the first ones before;
     warnings: what the user should know."""
 
     V: Floats
     cells: Ints
     numbers: MeshNumbers
-    fine: bool
+    problems: tuple[str, ...]
     report: dict[str, Any]
     warnings: tuple[str, ...]
+
+    @property
+    def fine(self) -> bool:
+        """Whether they pass the check, with no hex that is all but inverted."""
+        return not self.problems and self.numbers.min_scaled_jacobian > BAD
 
 
 @dataclass(frozen=True)
@@ -75,11 +80,12 @@ def finish_hexes(
     `finer` ones, without being asked for.  Raises InvalidMesh if there are no hexes."""
     finisher = _Finisher(surface, features, options)
     hexes, report = finisher.finished(V, H, part(progress, 0.0, 0.4))
-    fine = finisher.is_fine(hexes)
-    if options.splitting and hexes.whole and not fine:
+    if options.splitting and hexes.whole and not finisher.is_fine(hexes):
         hexes, report = finisher.split(hexes, report, len(H), finer, part(progress, 0.4, 1.0))
-        fine = not report["splitting"][0]["kept"]
-    return FinishedHexes(hexes.smoothed.V, hexes.cells, hexes.numbers, fine, report, tuple(finisher.warnings))
+    problems = tuple(finisher.problems(hexes))
+    return FinishedHexes(
+        hexes.smoothed.V, hexes.cells, hexes.numbers, problems, report, tuple(finisher.warnings)
+    )
 
 
 class _Finisher:
@@ -93,8 +99,12 @@ class _Finisher:
         """Whether they pass the check, with no hex that is all but inverted."""
         if not hexes.whole or hexes.numbers.min_scaled_jacobian <= BAD:
             return False
+        return not self.problems(hexes)
+
+    def problems(self, hexes: _Hexes) -> list[str]:
+        """Why they do not pass the check."""
         V, cells = hexes.smoothed.V, hexes.cells
-        return check_hexes(V, cells, self.surface, self.features, self.options.check).valid
+        return check_hexes(V, cells, self.surface, self.features, self.options.check).problems
 
     def finished(self, V: Floats, H: Ints, progress: Progress) -> tuple[_Hexes, dict[str, Any]]:
         """Smoothed, and padded where that is asked for or the hexes are poor; with the report of both."""

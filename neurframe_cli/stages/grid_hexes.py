@@ -3,11 +3,13 @@
 The last resort where no integer-grid map gives hexes that pass (Schneiders 1996, A grid-based algorithm for the
 generation of hexahedral element meshes).  Inside, the mesh is the grid; its irregular edges are along the boundary,
 wherever the staircase of the cells turns.  The layer's outer vertices are brought to the surface, its features and
-corners like those of any other hexes; since it begins with no hex inverted, the barrier holds all the way.
+corners like those of any other hexes; at re-entrant edges of the staircase it begins with flat or inverted hexes, which
+are relaxed first, so that the barrier holds all the way.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -17,22 +19,21 @@ from neurframe_cli.errors import NotValid
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part, silent
 from neurframe_cli.mesh.followed_features import followed_features
 from neurframe_cli.mesh.grid_cells import Grid, area_axes, centre_depths, grid_over, hexes_of, with_passed_by
-from neurframe_cli.mesh.optimize.improve import ImproveOptions
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
 from neurframe_cli.mesh.optimize.soft_constraints import BAD
 from neurframe_cli.mesh.pinches import has_topology_of, separate_pinches
 from neurframe_cli.mesh.quality.check import CheckOptions, check_hexes
 from neurframe_cli.stages.finish_hexes import POOR
-from neurframe_cli.stages.pad_hexes import wrap_hexes
+from neurframe_cli.stages.pad_hexes import pillow_hexes
 from neurframe_cli.stages.smooth_hexes import HEX_OPTIONS, smooth_hexes
 
 FINER = (1.0, 1.5, 2.0, 3.0, 4.0)  # times as many cells along each edge as asked for
 MOST_HEXES = 100_000  # of a finer grid than was asked for
-MOST_CELLS = 20_000_000  # of a grid, inside and outside: 1.5 GB
+MOST_CELLS = 20_000_000  # of a grid, inside and outside
 # how deep the centre of a cell lies at least, in its edges; the first that gives the topology of the surface is taken
 DEPTHS = (0.0, -0.1, 0.1, -0.2, 0.2, -0.3, 0.3, -0.4, -0.5, -0.6)
 LEAST_GAIN = 3e-5  # of a corner in a round; few hexes are poor, and the mean gains little with them
-HOPELESS = 1.5  # limits of the distance; where a finer grid is expected to be farther away it is left out
+HOPELESS = 1.2  # limits of the distance; where a finer grid is expected to be farther away it is left out
 MARGIN = 0.9  # of the limit that a mesh has to keep: a staircase bends many quads, which samples do not see as they are
 
 
@@ -43,7 +44,7 @@ class GridOptions:
     smoothing: SmoothOptions = field(
         default_factory=lambda: replace(
             HEX_OPTIONS,
-            improve=ImproveOptions(gain=LEAST_GAIN),
+            improve=replace(HEX_OPTIONS.improve, gain=LEAST_GAIN),
             hausdorff_limit=MARGIN * HEX_OPTIONS.hausdorff_limit,
             soft_first=True,
             release=POOR,
@@ -54,11 +55,12 @@ class GridOptions:
 
 @dataclass(frozen=True)
 class GridHexes:
-    """V (n,3), cells (h,8); finer: times as many cells along each edge as asked for; report: what smoothing did, and
-    every grid tried."""
+    """V (n,3), cells (h,8); worst: their least scaled Jacobian; finer: times as many cells along each edge as asked
+    for; report: what smoothing did, and every grid tried."""
 
     V: Floats
     cells: Ints
+    worst: float
     finer: float
     report: dict[str, Any]
 
@@ -93,10 +95,12 @@ def grid_hexes(
         tried.append(
             {"finer": finer, "refused": refused, "cells": len(H), "smoothing": asdict(smoothed.report)}
         )
-        if verdict.valid:
-            found = GridHexes(smoothed.V, H, finer, {"smoothing": tried[-1]["smoothing"], "grid": tried})
-            if smoothed.report.after.min_scaled_jacobian > BAD:
-                break
+        worst = smoothed.report.after.min_scaled_jacobian
+        if verdict.valid and (found is None or worst > found.worst):
+            report = {"smoothing": tried[-1]["smoothing"], "grid": tried}
+            found = GridHexes(smoothed.V, H, worst, finer, report)
+        if found is not None and found.worst > BAD:
+            break
     if found is None:
         told = "; ".join(f"x {attempt['finer']:g}: {attempt['refused']}" for attempt in tried)
         raise NotValid(f"no grid of cells gives hexes that pass: {told}")
@@ -104,11 +108,11 @@ def grid_hexes(
 
 
 def _too_coarse(last: dict[str, Any], finer: float, limit: float) -> bool:
-    """Whether a grid so much finer will be too far away as well: the distance shrinks like the edges at least.  The
-    last two are tried all the same."""
+    """Whether a grid so much finer will be too far away as well: the distance shrinks at best like the square of the
+    edges, as that of chords does.  The last two are tried all the same."""
     if "smoothing" not in last or finer in FINER[-2:]:
         return False
-    expected: float = last["smoothing"]["after"]["hausdorff"] * last["finer"] / finer
+    expected: float = last["smoothing"]["after"]["hausdorff"] * (last["finer"] / finer) ** 2
     return expected > HOPELESS * limit
 
 
@@ -126,29 +130,28 @@ def _on_surface(
     `bounded`.
     """
     progress(0.0, f"grid of {' x '.join(map(str, grid.counts))} cells")
-    if int(grid.counts.prod()) > MOST_CELLS:
+    if math.prod(grid.counts.tolist()) > MOST_CELLS:
         raise NotValid(f"a grid of more than {MOST_CELLS:,} cells")
-    start = _layered(grid, surface)
-    if start is None:
-        raise NotValid("cells with another topology than the surface")
-    V, H = start
+    depth = centre_depths(grid, surface)
+    if bounded and np.count_nonzero(depth > 0.0) > MOST_HEXES:
+        raise NotValid(f"more than {MOST_HEXES:,} hexes")
+    V, H = _layered(grid, depth, surface)
     if bounded and len(H) > MOST_HEXES:
         raise NotValid(f"more than {MOST_HEXES:,} hexes")
     followed = followed_features(surface, features, float(grid.step.mean()))
     return smooth_hexes(V, H, surface, followed, smoothing, part(progress, 0.1, 0.9), voids=False), H
 
 
-def _layered(grid: Grid, surface: Surface) -> tuple[Floats, Ints] | None:
-    """V (n,3) and H (h,8): cells of the grid that have the topology of the surface, and a layer round them; None where
-    no choice of cells has it."""
-    depth = centre_depths(grid, surface)
+def _layered(grid: Grid, depth: Floats, surface: Surface) -> tuple[Floats, Ints]:
+    """V (n,3) and H (h,8): cells of the grid, whose centres are at that `depth` (a,b,c), that have the topology of the
+    surface, and a layer round them.  Raises NotValid where no choice of cells has it."""
     for least in DEPTHS:
         cells = np.argwhere(depth > least)
         found = _whole(grid, cells, surface)
         if found is not None:
             complete = _whole(grid, with_passed_by(grid, cells, surface), surface)
-            return wrap_hexes(*(complete or found))
-    return None
+            return pillow_hexes(*(complete or found))
+    raise NotValid("cells with another topology than the surface")
 
 
 def _whole(grid: Grid, cells: Ints, surface: Surface) -> tuple[Floats, Ints] | None:

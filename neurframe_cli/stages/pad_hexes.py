@@ -70,7 +70,7 @@ def pad_hexes(V: Floats, H: Ints) -> tuple[Floats, Ints]:
     return V, H
 
 
-def wrap_hexes(V: Floats, H: Ints) -> tuple[Floats, Ints]:
+def pillow_hexes(V: Floats, H: Ints) -> tuple[Floats, Ints]:
     """Positions (m,3) and hexes (k,8), H (n,8) first: one more layer under the boundary as a whole, whatever its edges
     (pillowing, Mitchell and Tautges 1995); outer vertices are the last ones."""
     quads = hex_shell(H).quads

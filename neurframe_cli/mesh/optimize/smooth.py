@@ -7,16 +7,16 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from neurframe_cli.errors import InvalidMesh
-from neurframe_cli.mesh.arrays import Bools, Features, Floats, Ints, Progress, Surface, part, silent
+from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part
 from neurframe_cli.mesh.optimize.cell_kind import CellKind
 from neurframe_cli.mesh.optimize.classify import Classification, classify
-from neurframe_cli.mesh.optimize.constraints import FREE, Constraints
+from neurframe_cli.mesh.optimize.constraints import FREE, ON_CURVE, Constraints
 from neurframe_cli.mesh.optimize.distance_probe import BothDiagonals, DistanceProbe
 from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver, State
+from neurframe_cli.mesh.optimize.let_go import let_go
 from neurframe_cli.mesh.optimize.mend_quads import mend_poor_quads
 from neurframe_cli.mesh.optimize.patches import Patches, outward_normals
 from neurframe_cli.mesh.optimize.reach import reach_far_places
-from neurframe_cli.mesh.optimize.released import released
 from neurframe_cli.mesh.optimize.soft_constraints import BAD, Placed, SoftConstraints
 from neurframe_cli.mesh.quality.polygons import unique_edges
 
@@ -103,7 +103,7 @@ def smooth_cells(
     diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
     first = Placed(improver.first, probe.measure(X))
     limit = options.hausdorff_limit * diagonal
-    begin = _loose(improver, first.state) if options.soft_first else X
+    begin = _loose(improver, first.state, part(progress, 0.0, 0.0)) if options.soft_first else X
     soft = SoftConstraints(improver, begin, classified.start, probe, limit, sliding=options.soft_first)
     origin = (soft.untangled() if options.soft_first else None) or first
     start = classified.start if origin is first else origin.state.x
@@ -121,7 +121,9 @@ def smooth_cells(
     released = 0
     if normals is None:
         final = final if origin is not first else soft.nearer(final)
-        final = _let_go(improver, final, probe, limit, surface, options.release)
+        if not voids:  # their boundary is pinned, too, and must stay
+            last = part(progress, 1.0, 1.0)
+            final, released = _let_go(improver, final, probe, limit, surface, options.release, last)
     held_back = int((final.state.x != improved.x).any(axis=1).sum())
     if normals is not None:
         final, released = _mended(improver, final, probe, classified.patches, options, diagonal)
@@ -138,27 +140,39 @@ def smooth_cells(
     return SmoothedMesh(final.state.x, report)
 
 
-def _loose(improver: Improver, state: State) -> Floats:
+def _loose(improver: Improver, state: State, progress: Progress) -> Floats:
     """Positions (n,3) with better hexes, nothing being held: a hex that is all but inverted makes the barrier hold all
     of the mesh."""
     held = Constraints(np.full(len(state.x), FREE), state.x, [])
-    return improver.constrained(held).run(state, state.x, silent)[0].x
+    return improver.constrained(held).run(state, state.x, progress)[0].x
 
 
 def _let_go(
-    improver: Improver, placed: Placed, probe: DistanceProbe, limit: float, surface: Surface, least: float
-) -> Placed:
-    """Hexes better than `least`, where letting go of features in the poor ones makes them so, or as many rings of hexes
-    round these as needed."""
-    chosen: Bools = placed.state.quality <= least
+    improver: Improver,
+    placed: Placed,
+    probe: DistanceProbe,
+    limit: float,
+    surface: Surface,
+    least: float,
+    progress: Progress,
+) -> tuple[Placed, int]:
+    """Hexes better than `least`, where letting go of features in the poor ones makes them so, or in as many rings of
+    hexes round these as needed; with the number of vertices let go."""
+    held = improver.constraints.kind >= ON_CURVE
+    chosen, freed = np.zeros(len(improver.cells), bool), 0
     for _ in range(RINGS):
         if placed.state.quality.min() > least:
             break
-        free = improver.constrained(released(improver.constraints, surface, improver.cells[chosen]))
-        improved = free.run(placed.state, placed.state.x, silent)[0]
+        beside = np.isin(improver.cells, improver.cells[chosen]).any(axis=1)
+        chosen = np.asarray(beside | (placed.state.quality <= least))
+        count = int(held[np.unique(improver.cells[chosen])].sum())
+        if count == freed:
+            continue
+        freed = count
+        free = improver.constrained(let_go(improver.constraints, surface, improver.cells[chosen]))
+        improved = free.run(placed.state, placed.state.x, progress)[0]
         placed = _within(free, placed, improved, probe, limit)
-        chosen = np.asarray(np.isin(improver.cells, improver.cells[chosen]).any(axis=1))
-    return placed
+    return placed, freed
 
 
 def _within(

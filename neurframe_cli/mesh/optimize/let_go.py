@@ -9,7 +9,7 @@ from neurframe_cli.mesh.optimize.constraints import ON_CURVE, ON_SURFACE, PINNED
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
 
 
-def released(constraints: Constraints, surface: Surface, cells: Ints) -> Constraints:
+def let_go(constraints: Constraints, surface: Surface, cells: Ints) -> Constraints:
     """The same, but corners and curves let go of the vertices of `cells` (k,8), which slide on the surface then: where
     an edge of the mesh runs across a feature, or two features are closer than a hex is wide, a hex between them is flat
     wherever its vertices slide."""
