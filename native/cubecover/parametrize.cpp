@@ -172,11 +172,15 @@ class Search {
     return field;
   }
 
+  // The soundest first.  What fails may wait again with fewer features: the list grows while it is worked
+  // off.
   void try_waiting() {
-    std::stable_sort(waiting_.begin(), waiting_.end(),
-                     [](const PreparedField& a, const PreparedField& b) { return a.score() < b.score(); });
-    for (PreparedField& field : waiting_) {
-      if (done()) break;
+    while (!waiting_.empty() && !done()) {
+      const auto soundest = std::min_element(
+          waiting_.begin(), waiting_.end(),
+          [](const PreparedField& a, const PreparedField& b) { return a.score() < b.score(); });
+      PreparedField field = std::move(*soundest);
+      waiting_.erase(soundest);
       const bool may_work = field.score() == 0 || field.preparation.is_polycube();
       if (may_work || options_.polycubes == Polycubes::never) {
         try_field(std::move(field));
