@@ -3,18 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 import trimesh
 
 from neurframe_cli.mesh.arrays import Features, as_surface
 from neurframe_cli.mesh.features import features_by_angle
-from neurframe_cli.mesh.followed_features import angle_defects, followed_features, surface_tips
-
-
-def test_angle_defects_sum_to_the_euler_characteristic() -> None:
-    for mesh, euler in ((trimesh.creation.icosphere(2), 2), (trimesh.creation.torus(1.0, 0.3), 0)):
-        surface = as_surface(mesh.vertices, mesh.faces)
-        assert angle_defects(surface).sum() == pytest.approx(2 * np.pi * euler)
+from neurframe_cli.mesh.followed_features import followed_features, surface_tips
 
 
 def test_the_tip_of_a_cone_is_found_and_that_of_a_large_ball_is_not() -> None:

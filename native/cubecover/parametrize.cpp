@@ -172,8 +172,7 @@ class Search {
     return field;
   }
 
-  // The soundest first.  What fails may wait again with fewer features: the list grows while it is worked
-  // off.
+  // The soundest first.  What fails may wait again with fewer features, so the list grows meanwhile.
   void try_waiting() {
     while (!waiting_.empty() && !done()) {
       const auto soundest = std::min_element(

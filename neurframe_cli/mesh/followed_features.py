@@ -6,15 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
+from neurframe_cli.mesh.arrays import Features, Ints, Surface
 from neurframe_cli.mesh.features import features_from_edges
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
 
 LEAST_CURVE = 1.5  # lengths of an element; no edge needs to follow a shorter one
 BINS = 8  # of a length
-POINTED = (
-    0.75 * np.pi
-)  # curvature within an element's length; a half ball has 2 pi, the corner of a cube pi / 2
+# Gaussian curvature within an element's length; a half ball has 2 pi, the corner of a cube pi / 2
+POINTED = 0.75 * np.pi
 
 
 def followed_features(surface: Surface, features: Features, length: float) -> Features:
@@ -40,10 +39,11 @@ def surface_tips(surface: Surface, length: float) -> Ints:
     """Vertices (k,) of the surface, at least twice `length` apart, round which the Gaussian curvature within `length`
     is more than POINTED, the most pointed of their surroundings.  Both to an eighth of `length`: vertices closer
     together are one place, however fine the surface is."""
+    import igl
     from scipy.spatial import cKDTree
 
     used = np.unique(surface.F)
-    P, curvature = surface.V[used], angle_defects(surface)[used]
+    P, curvature = surface.V[used], np.asarray(igl.gaussian_curvature(surface.V, surface.F))[used]
     bins = np.floor((P - P.min(axis=0)) * (BINS / length)).astype(np.int64)
     place = np.unique(bins, axis=0, return_inverse=True)[1].reshape(-1)
     many = np.bincount(place)
@@ -60,14 +60,3 @@ def surface_tips(surface: Surface, length: float) -> Ints:
             tips.append(int(used[members[curvature[members].argmax()]]))
             free[tree.query_ball_point(centres[i], 2 * length)] = False
     return np.array(sorted(tips), np.int64)
-
-
-def angle_defects(surface: Surface) -> Floats:
-    """Integrated Gaussian curvature (n,) at each vertex: 2 pi less the sum of the angles of its triangles."""
-    P = surface.V[surface.F]
-    sums = np.zeros(len(surface.V))
-    for i in range(3):
-        a, b = P[:, (i + 1) % 3] - P[:, i], P[:, (i + 2) % 3] - P[:, i]
-        angle = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("fd,fd->f", a, b))
-        np.add.at(sums, surface.F[:, i], angle)
-    return np.asarray(2 * np.pi - sums)

@@ -13,12 +13,10 @@ from neurframe_cli.mesh.measure import surface_area
 from neurframe_cli.mesh.quality.distance import sample_surface
 from neurframe_cli.mesh.quality.polygons import triangulated
 
-CORNERS = np.array(
-    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
-)  # of a cell, VTK order
-PASSED_BY = (
-    0.6  # edges of a cell; a place of the surface that is farther from all cells lies in one that is missing
-)
+# of a cell, VTK order
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
+# edges of a cell; a place of the surface that is farther from all cells lies in one that is missing
+PASSED_BY = 0.6
 SAMPLES_PER_FACE = 20  # of a cell, on the surface
 MOST_SAMPLES = 400_000
 ROUNDS = 3  # of adding missing cells
@@ -59,6 +57,9 @@ def area_axes(surface: Surface) -> Floats:
 
     The sum is convex in R, so the best rotation for its linearisation never lowers it: R <- polar(sum A (R n)^3 n^T).
     """
+    from scipy.linalg import polar
+    from scipy.spatial.transform import Rotation
+
     A, B, C = (surface.V[surface.F[:, i]] for i in range(3))
     normal = np.cross(B - A, C - A)
     area = np.linalg.norm(normal, axis=1)
@@ -68,21 +69,14 @@ def area_axes(surface: Surface) -> Floats:
     def along(R: Floats) -> float:
         return float(area @ ((normal @ R.T) ** 4).sum(axis=1))
 
-    rng = np.random.default_rng(0)
+    starts = Rotation.random(STARTS, np.random.default_rng(0)).as_matrix()
     found = []
-    for R in (np.eye(3), *(_polar(rng.normal(size=(3, 3))) for _ in range(STARTS))):
+    for R in (np.eye(3), *starts):
         for _ in range(STEPS):
-            R = _polar((area[:, None] * (normal @ R.T) ** 3).T @ normal)
-        found.append(R)
+            R = polar((area[:, None] * (normal @ R.T) ** 3).T @ normal)[0]
+        found.append(R * np.sign(np.linalg.det(R)))  # all signs are the same to the fourth power
     best = max(found, key=along)
     return best if along(best) > TURN_GAIN * along(np.eye(3)) else np.eye(3)
-
-
-def _polar(M: Floats) -> Floats:
-    """The rotation (3,3) nearest to M (3,3)."""
-    U, _, W = np.linalg.svd(M)
-    U[:, -1] *= np.sign(np.linalg.det(U @ W))
-    return np.asarray(U @ W)
 
 
 def centre_depths(grid: Grid, surface: Surface) -> Floats:

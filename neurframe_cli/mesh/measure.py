@@ -9,8 +9,9 @@ from neurframe_cli.mesh.arrays import Floats, Ints
 
 def triangle_areas(V: Floats, F: Ints) -> Floats:
     """Area (m,) of each triangle."""
-    A, B, C = (V[F[:, i]] for i in range(3))
-    return np.asarray(np.linalg.norm(np.cross(B - A, C - A), axis=1) / 2)
+    import igl
+
+    return np.asarray(igl.doublearea(V, F), np.float64) / 2
 
 
 def surface_area(V: Floats, F: Ints) -> float:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Floats
+from neurframe_cli.mesh.measure import surface_area
 from neurframe_cli.mesh.surface_edges import face_normals
 from neurframe_cli.picture.field_data import FieldData
 from neurframe_cli.picture.scene import FEATURE_COLOR, Scene, polydata, spread_sample
@@ -41,14 +42,9 @@ def _strokes(data: FieldData) -> tuple[Floats, Floats]:
     """End points (2k,3) of strokes, lifted off the surface a little, and colours (k,3) uint8."""
     centroids = data.surface.V[data.surface.F].mean(axis=1)
     chosen = spread_sample(centroids, CELLS)
-    half = 0.36 * np.sqrt(_area(data) / len(chosen))
+    half = 0.36 * np.sqrt(surface_area(data.surface.V, data.surface.F) / len(chosen))
     normals = face_normals(data.surface.V, data.surface.F)[chosen]
     middle = np.repeat(centroids[chosen] + 0.2 * half * normals, 2, axis=0)
     along = data.crosses[chosen].reshape(-1, 3)
     ends = np.stack([middle - half * along, middle + half * along], axis=1)
     return ends.reshape(-1, 3), (along**2 @ AXIS_COLORS).astype(np.uint8)
-
-
-def _area(data: FieldData) -> float:
-    a, b, c = np.swapaxes(data.surface.V[data.surface.F], 0, 1)
-    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2

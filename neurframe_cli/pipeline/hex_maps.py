@@ -28,9 +28,8 @@ from neurframe_cli.stages.finish_hexes import FinishedHexes, FinishOptions, fini
 from neurframe_cli.stages.grid_hexes import GridHexes, GridOptions, grid_hexes
 
 MOST_MAPS = 2  # whose hexes are finished; each takes as long as the first one
-FAR_OFF = (
-    0.02  # bounding-box diagonals; where the best map's hexes are farther away another map's are not tried
-)
+# bounding-box diagonals; where the best map's hexes are farther away another map's are not tried
+FAR_OFF = 0.02
 POLYCUBE = "the learned field carries no map here: the hexes follow a polycube, without singular lines inside"
 
 

@@ -109,18 +109,14 @@ def smooth_cells(
     start = classified.start if origin is first else origin.state.x
     improved, rounds = improver.run(origin.state, start, part(progress, 0.0, 0.5))
     final = _within(improver, origin, improved, probe, limit)
-    if (
-        normals is None
-        and origin is first
-        and final.state.inverted
-        and (found := soft.untangled()) is not None
-    ):
-        improved, more = improver.run(found.state, found.state.x, part(progress, 0.5, 1.0))
-        final = _within(improver, found, improved, probe, limit)
-        rounds += more
     released = 0
     if normals is None:
-        final = final if origin is not first else soft.nearer(final)
+        if not options.soft_first:
+            if final.state.inverted and (found := soft.untangled()) is not None:
+                improved, more = improver.run(found.state, found.state.x, part(progress, 0.5, 1.0))
+                final = _within(improver, found, improved, probe, limit)
+                rounds += more
+            final = soft.nearer(final)
         if not voids:  # their boundary is pinned, too, and must stay
             last = part(progress, 1.0, 1.0)
             final, released = _let_go(improver, final, probe, limit, surface, options.release, last)
