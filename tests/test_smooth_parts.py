@@ -79,7 +79,7 @@ def _small_mesh(kind: CellKind) -> tuple[Floats, np.ndarray, Floats | None]:
     Q = grid_quads(3, 3)[:, ::-1].copy()
     i, j = np.divmod(np.arange(16), 4)
     X = np.stack([i, j, np.zeros(16)], axis=1).astype(float)
-    normals = np.repeat([[0.0], [0.0], [1.0]], 4 * len(Q), axis=1)
+    normals = np.tile([0.0, 0.0, 1.0], (4 * len(Q), 1))
     return jitter(X, 0.1, 2), Q, normals
 
 

@@ -101,7 +101,7 @@ def _pulled(improver: Improver, x: Floats, weight: float, places: Floats) -> Flo
     energy = improver.energy
     held = (improver.constraints.kind != FREE)[:, None]
     pull = np.where(held, weight / energy.scale, 0.0)
-    least = float(energy.determinants(x, None).min())
+    least = energy.least_determinant(x, None)
     epsilon = 0.0 if least > 0.0 else float(np.hypot(BARRIER_FROM, 0.2 * least))
     weights = EnergyWeights(improver.options.size, POWER, epsilon)
 

@@ -136,7 +136,7 @@ class Improver:
     def _relaxed(self, foot: Foot, outside: Floats | None, power: float) -> tuple[Foot, float]:
         """Some steps down the energy in the tangent spaces at `foot`, projected; the decrease a corner."""
         normals = None if outside is None else _corner_normals(foot.points, self.cells, outside)
-        least = float(self.energy.determinants(foot.points, normals).min())
+        least = self.energy.least_determinant(foot.points, normals)
         epsilon = 0.0 if least > BARRIER_FROM else float(np.hypot(BARRIER_FROM, 0.2 * min(least, 0.0)))
         weights = EnergyWeights(self.options.size, power, epsilon)
 
@@ -183,15 +183,15 @@ def _replaced(values: Floats, index: Ints, new: Floats) -> Floats:
 
 
 def _corner_normals(x: Floats, quads: Ints, outside: Floats) -> Floats:
-    """Normal (3, 4 c) at the corners of each quad: its own, or the surface's where it faces inward."""
+    """Normal (4 c, 3) at the corners of each quad: its own, or the surface's where it faces inward."""
     own = quad_normals(x, quads)
     chosen = np.where(np.einsum("cd,cd->c", own, outside)[:, None] > 0.0, own, outside)
     return _at_corners(chosen)
 
 
 def _at_corners(normals: Floats) -> Floats:
-    """(3, 4 c) from one normal (c,3) a quad."""
-    return np.ascontiguousarray(np.repeat(normals, 4, axis=0).T)
+    """(4 c, 3) from one normal (c,3) a quad."""
+    return np.repeat(normals, 4, axis=0)
 
 
 def quad_normals(x: Floats, quads: Ints) -> Floats:
