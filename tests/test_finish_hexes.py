@@ -140,3 +140,31 @@ def test_a_finer_map_has_every_parameter_times_as_large(tmp_path: Path) -> None:
         write_finer_map(target, tmp_path / "finest.hexex", 2)
     assert words[:4] == ["0", "1", "2", "3"]
     assert [float(word) for word in words[4:]] == [0, 0, 0, 1.5, 0, 0, 0, -1, 0, 0, 0, 0.003]
+
+
+@pytest.mark.parametrize("missing", [[], [13]])
+def test_hexes_without_hope_are_given_up_where_that_is_wanted(missing: list[int]) -> None:
+    """Twenty-seven hexes in a ball are away by much more than the limit, or one in the middle is missing."""
+    shape = sphere_hexes(3)
+    cells = np.delete(shape.cells, missing, axis=0)
+    options = replace(within(0.03 if missing else 0.001), splitting=False, give_up=True)
+    made = finish_hexes(shape.V, cells, shape.surface, shape.features, options, balls)
+    assert made.given_up
+    assert not made.fine
+    assert made.problems
+    np.testing.assert_array_equal(made.V, shape.V)
+    finished = finish_hexes(
+        shape.V, cells, shape.surface, shape.features, replace(options, give_up=False), balls
+    )
+    assert not finished.given_up
+    assert finished.numbers.mean_scaled_jacobian > made.numbers.mean_scaled_jacobian
+
+
+def test_finer_hexes_are_tried_where_the_first_ones_are_given_up() -> None:
+    shape = sphere_hexes(2)
+    options = replace(within(0.0105), give_up=True)
+    made = finish_hexes(
+        shape.V, shape.cells, shape.surface, shape.features, options, lambda times: balls(2 * times)
+    )
+    assert made.fine
+    assert ["given_up" in attempt for attempt in made.report["splitting"]] == [True, False, False]

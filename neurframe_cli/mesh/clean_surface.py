@@ -11,6 +11,7 @@ from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Floats, Ints, Surface, as_surface
 from neurframe_cli.mesh.check_tets import check_indices
 from neurframe_cli.mesh.inner_shells import inner_shells
+from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.mesh.orient_surface import orient
 from neurframe_cli.mesh.self_intersections import self_intersections
 from neurframe_cli.mesh.surface_edges import surface_edges
@@ -86,14 +87,14 @@ def _refuse_unusable(surface: Surface, name: str | Path) -> None:
     if len(surface.F) == 0:
         raise InvalidMesh(f"{name}: the surface has no triangles")
     check_indices(surface.V, surface.F, name, "triangle")
-    diagonal = float(np.linalg.norm(np.ptp(surface.V[surface.F.ravel()], axis=0)))
+    diagonal = box_diagonal(surface.V[surface.F.ravel()])
     if diagonal < SMALLEST_DIAGONAL:
         raise InvalidMesh(f"{name}: the bounding box has the diagonal {diagonal:g}, no surface to work on")
 
 
 def _weld_gaps(V: Floats, F: Ints) -> tuple[Floats, Ints]:
     """Welds within the rounding of text formats, unless that closes no gap."""
-    diagonal = float(np.linalg.norm(np.ptp(V, axis=0)))
+    diagonal = box_diagonal(V)
     welded_V, welded_F = weld(V, F, ROUNDING * diagonal)
     before = (surface_edges(V, _drop(F)[0]).face_count == 1).sum()
     after = (surface_edges(welded_V, _drop(welded_F)[0]).face_count == 1).sum()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Surface, as_surface
+from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.mesh.surface_distance import distances, sample_surface
 
 FEWEST_TRIANGLES = 200
@@ -33,6 +34,6 @@ def decimated_surface(surface: Surface, tolerance: float) -> Surface:
 
 def deviation(a: Surface, b: Surface) -> float:
     """The larger of the two one-sided distances between the surfaces, at samples."""
-    spacing = FINEST_SPACING * float(np.linalg.norm(np.ptp(b.V, axis=0)))
+    spacing = FINEST_SPACING * box_diagonal(b.V)
     there, back = (distances(sample_surface(p.V, p.F, spacing), q.V, q.F).max() for p, q in ((a, b), (b, a)))
     return float(max(there, back))

@@ -10,6 +10,7 @@ import numpy as np
 
 from neurframe_cli.mesh.arrays import Features, Floats, Ints
 from neurframe_cli.mesh.features import features_from_edges
+from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.mesh.surface_distance import distances
 from neurframe_cli.mesh.surface_edges import directed_edges
 from neurframe_cli.mesh.weld import weld
@@ -37,7 +38,7 @@ def _warnings(V: Floats, features: Features, points: Floats, edges: Ints) -> lis
     if len(features.edges) == 0:
         return []
     away = distances(V[np.unique(features.edges)], points, edges).max()
-    diagonal = float(np.linalg.norm(np.ptp(V, axis=0)))
+    diagonal = box_diagonal(V)
     if away < 5e-3 * diagonal:
         return []
     return [

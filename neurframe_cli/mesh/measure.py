@@ -1,10 +1,15 @@
-"""Area and volume of triangle meshes."""
+"""Area, volume and size of triangle meshes."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Floats, Ints
+
+
+def box_diagonal(points: Floats) -> float:
+    """Length of the diagonal of the bounding box of points (n,3)."""
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
 def triangle_areas(V: Floats, F: Ints) -> Floats:

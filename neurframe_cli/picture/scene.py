@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Floats, Ints
+from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.picture.png import write_png
 
 SIZE = (1600, 1200)
@@ -30,7 +31,7 @@ class Scene:
         _light(self.plotter)
         self.plotter.set_background("white")
         self.plotter.enable_anti_aliasing("msaa", multi_samples=8)
-        self.diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
+        self.diagonal = box_diagonal(points)
         self.toward_viewer = _aim(self.plotter.camera, points)
         self._legend: list[tuple[str, str]] = []
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from neurframe_cli.mesh.arrays import Surface
 from neurframe_cli.mesh.load import load_model
-from neurframe_cli.mesh.measure import enclosed_volume, surface_area
+from neurframe_cli.mesh.measure import box_diagonal, enclosed_volume, surface_area
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
 from neurframe_cli.pipeline.manifest import Manifest
 from neurframe_cli.pipeline.sizing import ElementSize
@@ -68,7 +68,7 @@ def expected_tets(surface: Surface, edge_length: float) -> float:
     8.5 volumes of h^3 inside, 3 areas of h^2 for the finer layer at the boundary, and half a tet for each triangle of
     the input, whose detail must be kept within epsilon. A surface without extent, which tetize refuses, has none.
     """
-    diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
+    diagonal = box_diagonal(surface.V[np.unique(surface.F)])
     h = edge_length * diagonal
     if h == 0:
         return 0.0

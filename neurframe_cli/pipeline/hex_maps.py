@@ -62,20 +62,15 @@ def mapped_hexes(
         if grid is None:
             raise
         return MadeMesh(CellMesh("hex", grid.V, grid.cells), best, None, grid.report)
-    finished = made.finished
-    if not finished.fine:
-        worst = finished.numbers.min_scaled_jacobian
-        why = (
-            ", ".join(finished.problems)
-            or f"a hex is all but inverted, with a scaled Jacobian of {worst:.3f}"
-        )
-        grid = maker.on_grid(
-            f"the hexes of the best map are refused ({why})", 0.0 if finished.problems else worst
-        )
+    if not made.finished.fine:
+        grid = maker.instead_of(made.finished)
         if grid is not None:
             cells = CellMesh("hex", grid.V, grid.cells)
-            report = {**grid.report, "of_the_map": finished.report}
+            report = {**grid.report, "of_the_map": made.finished.report}
             return MadeMesh(cells, made.parametrization, made.extraction, report)
+        if made.finished.given_up:
+            made = maker.hexes(best, maker.map_file, part(context.progress, 0.7, 0.95), give_up=False)
+    finished = made.finished
     if made.parametrization.statistics.get("polycube"):
         context.warn(POLYCUBE)
     for warning in finished.warnings:
@@ -111,10 +106,19 @@ class _HexMaker:
 
     def best_hexes(self, best: ProgramResult, progress: Progress) -> _Hexes:
         """Those of the `best` map, or where these do not pass, of another valid one, which then is the workspace's."""
-        made = self.hexes(best, self.map_file, part(progress, 0.0, 0.4))
+        made = self.hexes(best, self.map_file, part(progress, 0.0, 0.4), self.request.hexes.grid_allowed)
         if made.finished.fine or made.finished.numbers.hausdorff > FAR_OFF:
             return made
         return self.another(made, part(progress, 0.4, 1.0))
+
+    def instead_of(self, finished: FinishedHexes) -> GridHexes | None:
+        """Hexes of a grid that are better than those of the map, which are not fine."""
+        worst = finished.numbers.min_scaled_jacobian
+        why = ", ".join(finished.problems)
+        why = why or f"a hex is all but inverted, with a scaled Jacobian of {worst:.3f}"
+        least = 0.0 if finished.problems else worst
+        which = "as the map gives them, its hexes" if finished.given_up else "the hexes of the best map"
+        return self.on_grid(f"{which} are refused ({why})", least)
 
     def on_grid(self, why: str, least: float) -> GridHexes | None:
         """Hexes of a grid whose worst scaled Jacobian is above `least`, with the reason `why` in a warning; None where
@@ -133,8 +137,10 @@ class _HexMaker:
         self.context.warn(f"{why}: the mesh is a regular grid with a layer to the surface{_finer(made)}")
         return made
 
-    def hexes(self, parametrization: ProgramResult, map_file: Path, progress: Progress) -> _Hexes:
-        """The finished hexes of a map."""
+    def hexes(
+        self, parametrization: ProgramResult, map_file: Path, progress: Progress, give_up: bool
+    ) -> _Hexes:
+        """The finished hexes of a map; `give_up`: not where they are hopeless."""
         limits = self.request.limits
 
         def finer(times: int) -> tuple[Floats, Ints]:
@@ -146,7 +152,7 @@ class _HexMaker:
 
         steps = part(progress, 0.0, 0.2)
         extraction, raw = extract(self.kind, self.context, limits, parametrization, steps, map_file)
-        options = FinishOptions(self.request.hexes.padding, self.request.hexes.splitting)
+        options = FinishOptions(self.request.hexes.padding, self.request.hexes.splitting, give_up)
         surface, features = self.model.surface, self.model.features
         finished = finish_hexes(raw.V, raw.cells, surface, features, options, finer, part(progress, 0.2, 1.0))
         return _Hexes(finished, parametrization, extraction)
@@ -160,7 +166,7 @@ class _HexMaker:
                 path = scratch / self.kind.map_name
                 try:
                     parametrization = self.parametrize(path, number, part(steps, 0.0, 0.4))
-                    made = self.hexes(parametrization, path, part(steps, 0.4, 1.0))
+                    made = self.hexes(parametrization, path, part(steps, 0.4, 1.0), give_up=True)
                 except (StageError, NotValid) as error:
                     self.context.warn(f"no hexes of the valid map number {number}: {error}")
                     break

@@ -10,6 +10,7 @@ import numpy as np
 from neurframe_cli.errors import NeurframeError
 from neurframe_cli.mesh.arrays import Surface
 from neurframe_cli.mesh.features import features_by_angle
+from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.picture.read_vtp import read_vtp
@@ -115,7 +116,7 @@ def _diagonal(workspace: Workspace, points: Any) -> float:
     """Of the input, or of the points where that is not there."""
     if (workspace / SURFACE).is_file():
         points = read_surface(workspace / SURFACE).V
-    return float(np.linalg.norm(np.ptp(points, axis=0)))
+    return box_diagonal(points)
 
 
 def _point_layers(workspace: Workspace, has_mesh: bool) -> list[Layer]:

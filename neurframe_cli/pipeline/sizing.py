@@ -8,7 +8,7 @@ import numpy as np
 
 from neurframe_cli.errors import UsageError
 from neurframe_cli.mesh.arrays import Surface
-from neurframe_cli.mesh.measure import enclosed_volume, surface_area
+from neurframe_cli.mesh.measure import box_diagonal, enclosed_volume, surface_area
 
 DEFAULT_SCALES = {"quad": 100.0, "hex": 30.0}  # paper, sections 5.1.1 and 5.1.2
 
@@ -28,7 +28,7 @@ class ElementSize:
         if self.edge_length is not None:
             return self.edge_length
         assert self.scale is not None, "element_size() sets one of the three"
-        return float(np.linalg.norm(np.ptp(surface.V, axis=0))) / self.scale
+        return box_diagonal(surface.V) / self.scale
 
     def layered_edge(self, surface: Surface) -> float:
         """The edge length h of cubes in the solid with one layer of them on its surface; of a count n, the root of

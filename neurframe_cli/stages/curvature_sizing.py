@@ -8,6 +8,7 @@ import numpy as np
 
 from neurframe_cli.errors import UsageError
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
+from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.mesh.optimize.patches import components_cut_by
 from neurframe_cli.mesh.surface_edges import surface_edges
 
@@ -36,7 +37,7 @@ def curvature_sizing(
     """
     if not 0.0 <= options.strength <= 1.0:
         raise UsageError(f"the strength of --adaptive is {options.strength:g}, it must be from 0 to 1")
-    diagonal = float(np.linalg.norm(np.ptp(surface.V, axis=0)))
+    diagonal = box_diagonal(surface.V)
     curvature = np.maximum(largest_curvature(surface, features), FLATTEST / diagonal)
     wanted = curvature ** (-options.strength / 2)
     widest = options.range**options.strength

@@ -1,7 +1,8 @@
 """From the hexes of a map to those that are written: smoothed, padded where they are poor, finer where too coarse.
 
 Hexes are `whole` where their shell has the topology of the surface, be it after pinches are taken apart: a map that is
-not valid may give such ones, too.  Others have voids; they are smoothed only.
+not valid may give such ones, too.  Others have voids; they are smoothed only.  The vertices of a map's shell lie on the
+surface: how far its hexes are from it is seen before anything is done, and smoothing mends a part of that only.
 """
 
 from __future__ import annotations
@@ -12,14 +13,17 @@ from typing import Any
 
 from neurframe_cli.errors import NotValid, StageError
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part, silent
-from neurframe_cli.mesh.optimize.smooth import MeshNumbers, SmoothedMesh, SmoothOptions
+from neurframe_cli.mesh.optimize.smooth import MeshNumbers, SmoothOptions
 from neurframe_cli.mesh.optimize.soft_constraints import BAD
 from neurframe_cli.mesh.pinches import has_topology_of, separate_pinches
 from neurframe_cli.mesh.quality.check import CheckOptions, check_hexes
 from neurframe_cli.stages.pad_hexes import padded_hexes
-from neurframe_cli.stages.smooth_hexes import HEX_OPTIONS, smooth_hexes
+from neurframe_cli.stages.smooth_hexes import HEX_OPTIONS, measured_hexes, smooth_hexes
 
 POOR = 0.2  # worst scaled Jacobian, below which a layer of hexes is tried
+# times the limit of the distance; hexes of a map that were farther away than 2.1 times have not been seen to pass
+TOO_FAR = 2.5
+FAR_TO_PAD = 1.25  # the same after smoothing: a layer brings them nearer by less
 MOST_TO_SPLIT = {2: 25_000, 3: 1_000}  # hexes that are split so many times; a finer mesh is not too coarse
 
 # (V, H) of the same map with so many hexes along each edge of a hex; raises StageError or NotValid if there are none
@@ -28,11 +32,13 @@ FinerHexes = Callable[[int], tuple[Floats, Ints]]
 
 @dataclass(frozen=True)
 class FinishOptions:
-    """padding: a layer along the whole boundary, None for one where the hexes are poor without it; splitting: finer
-    hexes of the same map where the mesh is not near the surface otherwise; check: what the mesh has to pass."""
+    """padding: a layer along the whole boundary, None for one where hexes near the surface are poor without it;
+    splitting: finer hexes of the same map where the mesh is not near the surface otherwise; give_up: hexes with voids,
+    or too far from the surface for smoothing to help, are left as they are; check: what the mesh has to pass."""
 
     padding: bool | None = None
     splitting: bool = True
+    give_up: bool = False
     smoothing: SmoothOptions = HEX_OPTIONS
     check: CheckOptions = field(default_factory=CheckOptions)
 
@@ -41,7 +47,7 @@ class FinishOptions:
 class FinishedHexes:
     """V (n,3), cells (h,8) with their numbers; problems: why they do not pass the check, none where they do; report:
     what each step did for them, and with `splitting`, the attempts at finer ones, that at the first ones before;
-    warnings: what the user should know."""
+    warnings: what the user should know; given_up: they are as the map gave them."""
 
     V: Floats
     cells: Ints
@@ -49,6 +55,7 @@ class FinishedHexes:
     problems: tuple[str, ...]
     report: dict[str, Any]
     warnings: tuple[str, ...]
+    given_up: bool = False
 
     @property
     def fine(self) -> bool:
@@ -58,13 +65,11 @@ class FinishedHexes:
 
 @dataclass(frozen=True)
 class _Hexes:
-    smoothed: SmoothedMesh
+    V: Floats
     cells: Ints
+    numbers: MeshNumbers
     whole: bool
-
-    @property
-    def numbers(self) -> MeshNumbers:
-        return self.smoothed.report.after
+    given_up: bool = False
 
 
 def finish_hexes(
@@ -82,9 +87,9 @@ def finish_hexes(
     hexes, report = finisher.finished(V, H, part(progress, 0.0, 0.4))
     if options.splitting and hexes.whole and not finisher.is_fine(hexes):
         hexes, report = finisher.split(hexes, report, len(H), finer, part(progress, 0.4, 1.0))
-    problems = tuple(finisher.problems(hexes))
+    problems, warnings = tuple(finisher.problems(hexes)), tuple(finisher.warnings)
     return FinishedHexes(
-        hexes.smoothed.V, hexes.cells, hexes.numbers, problems, report, tuple(finisher.warnings)
+        hexes.V, hexes.cells, hexes.numbers, problems, report, warnings, given_up=hexes.given_up
     )
 
 
@@ -97,33 +102,42 @@ class _Finisher:
 
     def is_fine(self, hexes: _Hexes) -> bool:
         """Whether they pass the check, with no hex that is all but inverted."""
-        if not hexes.whole or hexes.numbers.min_scaled_jacobian <= BAD:
+        if not hexes.whole or hexes.given_up or hexes.numbers.min_scaled_jacobian <= BAD:
             return False
         return not self.problems(hexes)
 
     def problems(self, hexes: _Hexes) -> list[str]:
         """Why they do not pass the check."""
-        V, cells = hexes.smoothed.V, hexes.cells
-        return check_hexes(V, cells, self.surface, self.features, self.options.check).problems
+        return check_hexes(hexes.V, hexes.cells, self.surface, self.features, self.options.check).problems
 
     def finished(self, V: Floats, H: Ints, progress: Progress) -> tuple[_Hexes, dict[str, Any]]:
-        """Smoothed, and padded where that is asked for or the hexes are poor; with the report of both."""
+        """Smoothed, and padded where that is asked for or the hexes are poor, unless they are given up; with the report
+        of all this."""
         V, H, whole = self._apart(V, H)
         limits, voids = self.options.smoothing, not whole
+        if self.options.give_up:
+            numbers = measured_hexes(V, H, self.surface, limits)
+            if voids or numbers.hausdorff > TOO_FAR * limits.hausdorff_limit:
+                return _Hexes(V, H, numbers, whole, given_up=True), {
+                    "whole": whole,
+                    "given_up": asdict(numbers),
+                }
         result = smooth_hexes(V, H, self.surface, self.features, limits, part(progress, 0.0, 0.6), voids)
         report: dict[str, Any] = {"whole": whole, "smoothing": asdict(result.report)}
-        poor = whole and result.report.after.min_scaled_jacobian < POOR
+        numbers = result.report.after
+        near = numbers.hausdorff <= FAR_TO_PAD * limits.hausdorff_limit
+        poor = whole and near and numbers.min_scaled_jacobian < POOR
         if not (poor if self.options.padding is None else self.options.padding):
-            return _Hexes(result, H, whole), report
+            return _Hexes(result.V, H, numbers, whole), report
         made = padded_hexes(result, H, self.surface, self.features, limits, part(progress, 0.6, 1.0), voids)
         report["padding"] = {"kept": made.kept, "padded": asdict(made.padded)}
         if not made.kept and self.options.padding:
             self.warnings.append(
                 f"the hexes are not padded, that made them worse: {made.padded.inverted} inverted, worst scaled "
                 f"Jacobian {made.padded.min_scaled_jacobian:.3f} instead of "
-                f"{result.report.after.min_scaled_jacobian:.3f}"
+                f"{numbers.min_scaled_jacobian:.3f}"
             )
-        return _Hexes(made.smoothed, made.cells, whole), report
+        return _Hexes(made.smoothed.V, made.cells, made.smoothed.report.after, whole), report
 
     def _apart(self, V: Floats, H: Ints) -> tuple[Floats, Ints, bool]:
         """The hexes, without pinches where that makes them whole, and whether they are."""

@@ -9,6 +9,7 @@ import numpy as np
 from neurframe_cli.errors import UsageError
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
 from neurframe_cli.mesh.features import features_from_edges
+from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
 from neurframe_cli.mesh.quality.distance import sample_surface
 from neurframe_cli.mesh.surface_edges import directed_edges
@@ -65,7 +66,7 @@ def mirror_plane(surface: Surface, axis: str, tolerance: float, rng: np.random.G
     plane = MirrorPlane(AXES[axis], float((used.min(axis=0) + used.max(axis=0))[AXES[axis]] / 2))
     points = plane.mirror(np.concatenate([used, sample_surface(surface, SAMPLES, rng)]))
     off = float(SimplexTree(surface.V, surface.F).distances(points).max())
-    diagonal = float(np.linalg.norm(np.ptp(used, axis=0)))
+    diagonal = box_diagonal(used)
     if off > tolerance * diagonal:
         raise UsageError(
             f"the surface is not symmetric: mirrored at {axis} = {plane.offset:g} it is up to {off:g} away from "

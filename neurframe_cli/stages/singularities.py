@@ -17,6 +17,7 @@ from neurframe_cli.field.octahedral_group import AXIS, TURN, Turn
 from neurframe_cli.field.rotations import random_rotations
 from neurframe_cli.mesh.arrays import Bools, Floats, Ints, Progress, Surface, TetMesh, silent
 from neurframe_cli.mesh.inside import depth_in_surface, random_points_in_tets
+from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
 from neurframe_cli.stages.discretize import Query, sample_frames
 
@@ -89,7 +90,7 @@ class _Domain:
 
     def __init__(self, tets: TetMesh, options: SingularitiesOptions) -> None:
         self.surface = Surface(tets.V, tet_adjacency(tets.T).boundary_faces)
-        self.diagonal = float(np.linalg.norm(np.ptp(tets.V, axis=0)))
+        self.diagonal = box_diagonal(tets.V)
         self.radius, self.tolerance = options.radius * self.diagonal, options.tolerance * self.diagonal
 
     def near(self, found: SingularPoints, count: int, rng: np.random.Generator) -> Floats:

@@ -9,6 +9,7 @@ import numpy as np
 from neurframe_cli.field.rotations import random_rotations
 from neurframe_cli.mesh.arrays import Floats, Progress, Surface, TetMesh, silent
 from neurframe_cli.mesh.inside import random_points_in_tets
+from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.mesh.quality.distance import sample_surface
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
 from neurframe_cli.stages.discretize import Query
@@ -51,7 +52,7 @@ def trace_streamlines(
     """Streamlines both ways from random seeds along a random axis; raises StageError for a field not finite."""
     options = options or StreamlineOptions()
     rng = np.random.default_rng(options.seed)
-    length = options.step * float(np.linalg.norm(np.ptp(tets.V, axis=0)))
+    length = options.step * box_diagonal(tets.V)
     rounds = round(options.length / options.step)
     points, directions = (
         random_points_in_tets(tets, options.samples, rng),

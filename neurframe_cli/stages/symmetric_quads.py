@@ -9,6 +9,7 @@ import numpy as np
 from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.field.surface_cross_field import relaxed_cross_field
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
+from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
 from neurframe_cli.mesh.quality.polygons import unique_edges
 from neurframe_cli.mesh.surface_edges import face_normals
@@ -65,7 +66,7 @@ def mirrored_quads(V: Floats, Q: Ints, plane: MirrorPlane) -> tuple[Floats, Ints
     height = plane.height(V)
     edges, use = unique_edges(Q)
     rim = np.unique(edges[use == 1])
-    close = IN_PLANE * float(np.linalg.norm(np.ptp(V, axis=0)))
+    close = IN_PLANE * box_diagonal(V)
     welded = np.zeros(len(V), bool)
     welded[rim] = np.abs(height[rim]) <= close
     beyond = np.unique(Q)[~welded[np.unique(Q)]]

@@ -15,6 +15,7 @@ from neurframe_cli.mesh.clean_surface import CleaningReport, clean_surface
 from neurframe_cli.mesh.features import features_by_angle, features_from_edges
 from neurframe_cli.mesh.features_from_segments import features_from_segments
 from neurframe_cli.mesh.manifold_boundary import boundary_surface, make_boundary_manifold
+from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.mesh.open_surface import refuse_large_holes
 from neurframe_cli.mesh.subdivide_boundary_tets import subdivide_boundary_tets
 from neurframe_cli.mesh.tet_adjacency import tet_adjacency
@@ -193,7 +194,7 @@ def _cleaning_warnings(report: CleaningReport) -> list[str]:
 def _mean_edge_length(mesh: TetMesh) -> float:
     """As a fraction of the bounding-box diagonal."""
     a, b = (mesh.V[mesh.T[:, i]] for i in ([0, 0, 0, 1, 1, 2], [1, 2, 3, 2, 3, 3]))
-    diagonal = np.linalg.norm(np.ptp(mesh.V, axis=0))
+    diagonal = box_diagonal(mesh.V)
     return float(np.linalg.norm(a - b, axis=2).mean() / diagonal)
 
 

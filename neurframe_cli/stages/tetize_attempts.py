@@ -15,6 +15,7 @@ from neurframe_cli.mesh.check_tets import checked_tets
 from neurframe_cli.mesh.clean_surface import CleaningReport
 from neurframe_cli.mesh.decimate_surface import decimated_surface
 from neurframe_cli.mesh.manifold_boundary import ManifoldReport, make_boundary_manifold
+from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.process.memory import usable_mib
 from neurframe_cli.stages.run_tetwild import TetwildRun, TetwildSettings, run_tetwild
 from neurframe_cli.stages.tetize_check import Fit, fit, refuse_misfit
@@ -99,7 +100,7 @@ def _attempt(task: Task, settings: TetwildSettings, timeout_s: float) -> tuple[T
     boxed = _to_unit_box(task.surface)
     given = boxed.surface
     if settings.decimate:
-        diagonal = float(np.linalg.norm(np.ptp(given.V, axis=0)))
+        diagonal = box_diagonal(given.V)
         given = decimated_surface(given, DECIMATION_TOLERANCE * settings.epsilon * diagonal)
     run = run_tetwild(
         given,
@@ -161,7 +162,7 @@ class UnitBox:
 
 def _to_unit_box(surface: Surface) -> UnitBox:
     origin = surface.V.min(axis=0)
-    diagonal = float(np.linalg.norm(np.ptp(surface.V, axis=0)))
+    diagonal = box_diagonal(surface.V)
     scale = 2.0 ** np.ceil(np.log2(diagonal))
     return UnitBox(as_surface((surface.V - origin) / scale, surface.F), origin, float(scale))
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from neurframe_cli.errors import StageError
 from neurframe_cli.mesh.arrays import Surface, TetMesh
 from neurframe_cli.mesh.check_tets import tet_volumes
 from neurframe_cli.mesh.clean_surface import CleaningReport
 from neurframe_cli.mesh.manifold_boundary import boundary_surface
-from neurframe_cli.mesh.measure import enclosed_volume
+from neurframe_cli.mesh.measure import box_diagonal, enclosed_volume
 from neurframe_cli.mesh.surface_distance import distances, sample_surface
 
 # The surface may move by epsilon; on the closed models at hand the boundary of the tets stays within 0.6 epsilon of
@@ -38,7 +36,7 @@ class Fit:
 
 def fit(mesh: TetMesh, surface: Surface, report: CleaningReport) -> Fit:
     """Measures the tets against the input surface."""
-    diagonal = float(np.linalg.norm(np.ptp(surface.V, axis=0)))
+    diagonal = box_diagonal(surface.V)
     V, F = boundary_surface(mesh)
     spacing = 0.01 * diagonal
     out = distances(sample_surface(V, F, spacing), surface.V, surface.F).max() / diagonal

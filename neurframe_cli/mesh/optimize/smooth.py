@@ -8,10 +8,11 @@ import numpy as np
 
 from neurframe_cli.errors import InvalidMesh
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part
+from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.mesh.optimize.cell_kind import CellKind
 from neurframe_cli.mesh.optimize.classify import Classification, classify
 from neurframe_cli.mesh.optimize.constraints import FREE, ON_CURVE, Constraints
-from neurframe_cli.mesh.optimize.distance_probe import BothDiagonals, DistanceProbe
+from neurframe_cli.mesh.optimize.distance_probe import BothDiagonals, DistanceProbe, Distances
 from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver, State
 from neurframe_cli.mesh.optimize.let_go import let_go
 from neurframe_cli.mesh.optimize.mend_quads import mend_poor_quads
@@ -100,7 +101,7 @@ def smooth_cells(
     improver = Improver(X, cells, kind, classified.constraints, normals, options.improve)
     probe_of = DistanceProbe if faces is cells else BothDiagonals
     probe = probe_of(faces, surface, options.samples, np.random.default_rng(options.seed))
-    diagonal = float(np.linalg.norm(np.ptp(surface.V[np.unique(surface.F)], axis=0)))
+    diagonal = box_diagonal(surface.V[np.unique(surface.F)])
     first = Placed(improver.first, probe.measure(X))
     limit = options.hausdorff_limit * diagonal
     begin = _loose(improver, first.state, part(progress, 0.0, 0.0)) if options.soft_first else X
@@ -126,8 +127,8 @@ def smooth_cells(
     quality = final.state.quality
     progress(1.0, f"worst {quality.min():.3f}, mean {quality.mean():.3f}")
     report = SmoothReport(
-        before=_numbers(first, diagonal),
-        after=_numbers(final, diagonal),
+        before=mesh_numbers(first.state.quality, first.distances, diagonal),
+        after=mesh_numbers(final.state.quality, final.distances, diagonal),
         classification=classified.found,
         rounds=rounds,
         held_back=held_back,
@@ -209,12 +210,12 @@ def _median_edge(X: Floats, faces: Ints) -> float:
     return float(np.median(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
 
 
-def _numbers(placed: Placed, diagonal: float) -> MeshNumbers:
-    quality = placed.state.quality
+def mesh_numbers(quality: Floats, distances: Distances, diagonal: float) -> MeshNumbers:
+    """Of cells with their worst scaled Jacobians `quality` (c,)."""
     return MeshNumbers(
         min_scaled_jacobian=float(quality.min()),
         p1_scaled_jacobian=float(np.percentile(quality, 1)),
         mean_scaled_jacobian=float(quality.mean()),
-        inverted=placed.state.inverted,
-        hausdorff=float(placed.distances.by_face.max()) / diagonal,
+        inverted=int((quality <= 0.0).sum()),
+        hausdorff=float(distances.by_face.max()) / diagonal,
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
 from neurframe_cli.mesh.hex_shell import HEX_FACES
-from neurframe_cli.mesh.measure import enclosed_volume
+from neurframe_cli.mesh.measure import box_diagonal, enclosed_volume
 from neurframe_cli.mesh.quality.distance import SurfaceDistance, surface_distance
 from neurframe_cli.mesh.quality.feature_recall import feature_recall
 from neurframe_cli.mesh.quality.hex_singular_graph import hex_singular_graph
@@ -133,7 +133,7 @@ def _conclude(
     problems: list[str],
 ) -> Verdict:
     """Add what quad meshes and the boundaries of hex meshes share: folds, topology, distance, feature recall."""
-    diagonal = float(np.linalg.norm(np.ptp(against.V[np.unique(against.F)], axis=0)))
+    diagonal = box_diagonal(against.V[np.unique(against.F)])
     edges, _ = unique_edges(Q)
     median_edge = float(np.median(np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1)))
     if numbers["inverted"]:

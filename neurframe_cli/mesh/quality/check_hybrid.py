@@ -8,7 +8,7 @@ import numpy as np
 
 from neurframe_cli.mesh.arrays import Surface
 from neurframe_cli.mesh.filling.hybrid_mesh import HybridMesh, measure_hybrid, outer_faces
-from neurframe_cli.mesh.measure import enclosed_volume
+from neurframe_cli.mesh.measure import box_diagonal, enclosed_volume
 from neurframe_cli.mesh.quality.check import CheckOptions, Verdict
 from neurframe_cli.mesh.quality.distance import surface_distance
 from neurframe_cli.mesh.quality.polygons import (
@@ -31,7 +31,7 @@ def check_hybrid(mesh: HybridMesh, against: Surface, options: CheckOptions) -> V
     F = np.concatenate([triangulated(quads), triangles])
     rng = np.random.default_rng(options.seed)
     distance = surface_distance(Surface(mesh.V, F), against, options.samples, rng)
-    diagonal = float(np.linalg.norm(np.ptp(against.V[np.unique(against.F)], axis=0)))
+    diagonal = box_diagonal(against.V[np.unique(against.F)])
     ratio = measured.volume / enclosed_volume(against.V, against.F)
     found, expected = topology(F), topology(against.F)
     counts = {
