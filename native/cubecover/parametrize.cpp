@@ -51,9 +51,6 @@ bool is_better(const Parametrization& one, const Parametrization& other, const F
 
 // With more of the mesh wrong than this, the field is at fault and refining is in vain.
 constexpr double hopeless_share = 0.02;
-// Of the lowest defect score: what a mesh of four times the tets must come down to, to be worth its time.
-constexpr double worth_refining = 0.5;
-
 // Of the foldover-free energy: a polycube map that is no more distorted needs no rival.
 constexpr double hardly_distorted = 6;
 
@@ -61,8 +58,6 @@ constexpr double same_distortion = 0.02;  // maps that differ by less are hardly
 
 constexpr double most_doubtful = 10;              // defect score of a polycube that is worth a try
 constexpr std::int64_t polycube_budget = 200000;  // tets to solve for, all polycubes together
-
-constexpr int most_refined = 20000;  // tets; refined they are up to 100,000
 
 bool is_hopeless(std::size_t failed_tets, const FieldMesh& mesh) {
   return static_cast<double>(failed_tets) > hopeless_share * mesh.tet_count();
@@ -88,15 +83,6 @@ class Search {
         [](const PreparedField& a, const PreparedField& b) { return a.score() < b.score(); });
     if (!is_hopeless(soundest->defects.size(), soundest->framed))
       *soundest = prepared([&] { return with_local_restarts(std::move(*soundest)); });
-    try_waiting();
-  }
-
-  void try_refined() {
-    if (done() || lowest_score_ == 0 || mesh_.tet_count() > most_refined) return;
-    const double lowest = lowest_score_;
-    PreparedField refined = prepared([&] { return prepare(mesh_, refined_preparation(mesh_)); });
-    if (refined.score() > worth_refining * lowest) return;
-    waiting_.push_back(std::move(refined));
     try_waiting();
   }
 
@@ -263,7 +249,6 @@ Parametrization parametrize(const FieldMesh& mesh, const ParametrizeOptions& opt
   if (options.polycubes != Polycubes::only) {
     search.try_preparations();
     if (search.has_sound_field()) search.retry_around_failures();
-    search.try_refined();
   }
   if (options.polycubes != Polycubes::never) search.try_polycubes();
   search.try_defective();

@@ -21,7 +21,6 @@ constexpr double restart_radii[] = {1.5, 3, 5};  // mean edge lengths
 constexpr double restart_sources[] = {0, 0.4, 0.8};  // along the rim
 
 FieldMesh framed_mesh(FieldMesh mesh, const Preparation& preparation) {
-  if (preparation.longest_edge > 0) bound_edge_lengths(mesh, preparation.longest_edge);
   separate_boundary(mesh);
   if (preparation.diffusion_rounds > 0) {
     diffuse_frames(mesh, boundary_alignments(mesh), {preparation.diffusion_rounds});
@@ -67,7 +66,7 @@ PreparedField prepare(FieldMesh mesh, const Preparation& preparation) {
 }
 
 std::vector<Preparation> usual_preparations() {
-  return {{0, 0}, {0, diffusion_rounds}};
+  return {{0}, {diffusion_rounds}};
 }
 
 PreparedField prepare_again(FieldMesh mesh, const Preparation& preparation) {
@@ -90,13 +89,9 @@ std::optional<PreparedField> PolycubeSequence::next() {
   while (taken_ < 2 * std::size(label_costs)) {
     const LabelCosts& costs = label_costs[taken_ / 2];
     FieldMesh field = next_field();
-    if (seen_.insert(field.features).second) return matched_field(std::move(field), {0, 0, costs});
+    if (seen_.insert(field.features).second) return matched_field(std::move(field), {0, costs});
   }
   return {};
-}
-
-Preparation refined_preparation(const FieldMesh& mesh) {
-  return {mean_edge_length(mesh), diffusion_rounds};
 }
 
 namespace {

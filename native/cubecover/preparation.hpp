@@ -12,7 +12,6 @@ namespace neurframe {
 
 // How to prepare.  No setting suits every field, so several are judged by the defects that they leave.
 struct Preparation {
-  double longest_edge = 0;   // edges are halved down to this first; 0 for no limit
   int diffusion_rounds = 0;  // of the frames; 0 takes them as they are
   LabelCosts polycube = {};  // of the labels that replace the frames, where compactness is not 0
 
@@ -43,9 +42,6 @@ PreparedField prepare(FieldMesh mesh, const Preparation& preparation);
 
 // The preparations to try, in this order: the frames as they are, and diffused.
 std::vector<Preparation> usual_preparations();
-
-// Diffused on edges bounded by their mean length: three to five times the tets, and as much dearer to solve.
-Preparation refined_preparation(const FieldMesh& mesh);
 
 // The field with frames started anew round its defects, ball by ball, wherever that lowers the defect score.
 PreparedField with_local_restarts(PreparedField prepared);

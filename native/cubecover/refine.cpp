@@ -126,20 +126,4 @@ int separate_critical_edges(FieldMesh& mesh) {
   });
 }
 
-int bound_edge_lengths(FieldMesh& mesh, double longest) {
-  return split_until_none(mesh, "long edges", [&](const FieldMesh& current) {
-    const EdgeRings rings = edge_rings(current.tets, current.twin);
-    std::vector<std::pair<double, SplitTarget>> found;
-    for (std::size_t e = 0; e < rings.vertices.size(); ++e) {
-      const double length = edge_length(current, rings.vertices[e]);
-      if (length > longest) found.emplace_back(length, edge_target(rings, e));
-    }
-    std::stable_sort(found.begin(), found.end(),
-                     [](const auto& a, const auto& b) { return a.first > b.first; });
-    std::vector<SplitTarget> targets;
-    for (auto& [length, target] : found) targets.push_back(std::move(target));
-    return targets;
-  });
-}
-
 }  // namespace neurframe

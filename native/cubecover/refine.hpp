@@ -17,7 +17,4 @@ int separate_boundary(FieldMesh& mesh);
 // has three of them: each singular line has room of its own.
 int separate_critical_edges(FieldMesh& mesh);
 
-// Halves edges longer than `longest`, longest first, until none is left.
-int bound_edge_lengths(FieldMesh& mesh, double longest);
-
 }  // namespace neurframe

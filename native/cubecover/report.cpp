@@ -74,7 +74,6 @@ Json describe_verification(const CombedField& field, const Verification& verific
 
 Json describe_preparation(const Preparation& preparation) {
   Json entry;
-  entry["longest_edge"] = preparation.longest_edge;
   entry["diffusion_rounds"] = preparation.diffusion_rounds;
   entry["polycube_compactness"] = preparation.polycube.compactness;
   entry["polycube_straightness"] = preparation.polycube.straightness;

@@ -42,7 +42,7 @@ void test_rigid_motion_and_names_of_axes() {
 // At a corner of 45 degrees a tet is aligned with one of two features, and its frame says nothing of the
 // other.
 void test_features_do_not_need_their_frames() {
-  CombedField field = prepare(box({2, 2, 2}), {0, 0}).field;
+  CombedField field = prepare(box({2, 2, 2}), {0}).field;
   for (int h = 0; h < field.mesh.half_face_count(); ++h) {
     if (at(field.mesh.twin, h) >= 0) continue;
     Eigen::Matrix3d& frame = at(field.mesh.frames, h / 4);
@@ -180,7 +180,7 @@ FieldMesh polar_cylinder() {
 // A field that winds once too often round an edge is refused, though every tet keeps its orientation.
 void test_polar_field_is_refused() {
   const Parametrization result =
-      solve_prepared(prepare(polar_cylinder(), {0, 0}), {0.25, 0, 1}, [](double, const std::string&) {});
+      solve_prepared(prepare(polar_cylinder(), {0}), {0.25, 0, 1}, [](double, const std::string&) {});
   CHECK(!result.verification.valid());
 }
 
