@@ -21,6 +21,7 @@ from neurframe_cli.mesh.optimize.reach import reach_far_places
 from neurframe_cli.mesh.optimize.soft_constraints import BAD, Placed, SoftConstraints
 from neurframe_cli.mesh.quality.polygons import unique_edges
 
+WORTH = 0.2  # scaled Jacobian that a hex may fall to where its vertices get to their places for that
 RINGS = 3  # of hexes whose features let go
 PASSED_BY = (
     0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
@@ -120,7 +121,8 @@ def smooth_cells(
             final = soft.nearer(final)
         if not voids:  # their boundary is pinned, too, and must stay
             last = part(progress, 1.0, 1.0)
-            final, released = _let_go(improver, final, probe, limit, surface, options.release, last)
+            final, released, improver = _let_go(improver, final, probe, limit, surface, options.release, last)
+            final = _settled(improver, final, probe, limit)
     held_back = int((final.state.x != improved.x).any(axis=1).sum())
     if normals is not None:
         final, released = _mended(improver, final, probe, classified.patches, options, diagonal)
@@ -152,11 +154,11 @@ def _let_go(
     surface: Surface,
     least: float,
     progress: Progress,
-) -> tuple[Placed, int]:
+) -> tuple[Placed, int, Improver]:
     """Hexes better than `least`, where letting go of features in the poor ones makes them so, or in as many rings of
-    hexes round these as needed; with the number of vertices let go."""
+    hexes round these as needed; with the number of vertices let go and the constraints without them."""
     held = improver.constraints.kind >= ON_CURVE
-    chosen, freed = np.zeros(len(improver.cells), bool), 0
+    chosen, freed, free = np.zeros(len(improver.cells), bool), 0, improver
     for _ in range(RINGS):
         if placed.state.quality.min() > least:
             break
@@ -169,23 +171,45 @@ def _let_go(
         free = improver.constrained(let_go(improver.constraints, surface, improver.cells[chosen]))
         improved = free.run(placed.state, placed.state.x, progress)[0]
         placed = _within(free, placed, improved, probe, limit)
-    return placed, freed
+    return placed, freed, free
 
 
 def _within(
     improver: Improver, origin: Placed, improved: State, probe: DistanceProbe, limit: float
 ) -> Placed:
     """As much of the way from `origin` to `improved` as leaves no face beyond the limit that was not."""
-    allowed = np.maximum(origin.distances.by_face, limit)
+    final = _moved(improver, origin, improved.x, probe, limit)
+    return final if final.state.better_than(origin.state) else origin
+
+
+def _settled(improver: Improver, placed: Placed, probe: DistanceProbe, limit: float) -> Placed:
+    """Vertices where the constraints want them, wherever no hex gets poor for that: soft constraints leave all of them
+    a little off, and planes uneven."""
+    goal = improver.constraints.project(placed.state.x).points
+    allowed = np.minimum(placed.state.quality, WORTH)
+    return _moved(improver, placed, goal, probe, limit, allowed)
+
+
+def _moved(
+    improver: Improver,
+    origin: Placed,
+    goal: Floats,
+    probe: DistanceProbe,
+    limit: float,
+    allowed: Floats | None = None,
+) -> Placed:
+    """As much of the way from `origin` to `goal` (n,3) as guarded_step allows, with cells no worse than `allowed` (c,)
+    and no face beyond the limit that was not."""
+    near = np.maximum(origin.distances.by_face, limit)
     last = origin.distances
 
     def too_far(x: Floats) -> Ints:
         nonlocal last
         last = probe.measure(x)
-        return np.unique(probe.faces[last.by_face > allowed])
+        return np.unique(probe.faces[last.by_face > near])
 
-    final = improver.guarded(origin.state, improved.x, too_far)
-    return Placed(final, last) if final.better_than(origin.state) else origin
+    final = improver.guarded(origin.state, goal, too_far, allowed)
+    return Placed(final, last)
 
 
 def _mended(
