@@ -15,6 +15,7 @@ from neurframe_cli.mesh.filling.hybrid_files import write_hybrid
 from neurframe_cli.mesh.filling.hybrid_mesh import HybridMesh
 from neurframe_cli.mesh.quality.check import CheckOptions, check_hexes
 from neurframe_cli.mesh.quality.hex_singular_graph import hex_singular_graph
+from neurframe_cli.mesh.quality.polygons import topology_problems
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.mesh.write_cells import write_cells
 from neurframe_cli.mesh.write_mesh import write_surface
@@ -131,3 +132,14 @@ def test_pictures_of_a_mesh_file(cube: Path) -> None:
     assert run_command_line(["check", str(mesh), "--against", str(cube), "--pictures", str(drawn), "-q"]) == 0
     names = {path.name for path in drawn.iterdir()}
     assert names == {f"grid-{name}.png" for name in ("hexes", "hexes-cut", "hexes-singular")}
+
+
+def test_an_input_that_touches_itself_is_named_as_the_cause() -> None:
+    """Two tetrahedra with a common tip: three is no Euler characteristic of a closed manifold."""
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    other = np.array([3, 4, 5, 6])[faces]
+    assert topology_problems(faces, faces) == []
+    assert "touches itself" in topology_problems(faces, np.concatenate([faces, other]))[0]
+    assert topology_problems(faces, np.concatenate([faces, faces + 4])) == [
+        "components, Euler characteristic (1, 2) instead of (2, 4)"
+    ]

@@ -15,6 +15,7 @@ from neurframe_cli.mesh.quality.feature_recall import feature_recall
 from neurframe_cli.mesh.quality.hex_singular_graph import hex_singular_graph
 from neurframe_cli.mesh.quality.polygons import (
     topology,
+    topology_problems,
     triangulated,
     unique_edges,
     valences,
@@ -138,17 +139,16 @@ def _conclude(
     median_edge = float(np.median(np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1)))
     if numbers["inverted"]:
         problems.append(f"{numbers['inverted']} cells with a corner Jacobian <= 0")
-    found, expected = topology(Q), topology(against.F)
-    if found != expected:
-        problems.append(f"components, Euler characteristic {found} instead of {expected}")
+    components, euler = topology(Q)
+    problems += topology_problems(Q, against.F)
     rng = np.random.default_rng(options.seed)
     distance = _worse_distance(V, Q, against, options.samples, rng)
     if distance.hausdorff > options.hausdorff_limit * diagonal:
         problems.append(f"Hausdorff distance {distance.hausdorff / diagonal:.4f} of the diagonal")
     tolerance = options.recall_tolerance * median_edge
     numbers |= {
-        "components": found[0],
-        "euler_characteristic": found[1],
+        "components": components,
+        "euler_characteristic": euler,
         "hausdorff": distance.hausdorff / diagonal,
         "mean_distance": distance.mean / diagonal,
         "median_edge": median_edge / diagonal,

@@ -13,6 +13,7 @@ from neurframe_cli.mesh.quality.check import CheckOptions, Verdict
 from neurframe_cli.mesh.quality.distance import surface_distance
 from neurframe_cli.mesh.quality.polygons import (
     topology,
+    topology_problems,
     triangulated,
 )
 
@@ -33,23 +34,22 @@ def check_hybrid(mesh: HybridMesh, against: Surface, options: CheckOptions) -> V
     distance = surface_distance(Surface(mesh.V, F), against, options.samples, rng)
     diagonal = box_diagonal(against.V[np.unique(against.F)])
     ratio = measured.volume / enclosed_volume(against.V, against.F)
-    found, expected = topology(F), topology(against.F)
+    components, euler = topology(F)
     counts = {
         "faces that do not conform": measured.nonconforming_faces,
         "edges of the outside that are open": measured.open_edges,
         "cells with a Jacobian or volume <= 0": measured.inverted,
     }
     problems = [f"{count} {what}" for what, count in counts.items() if count]
-    if found != expected:
-        problems.append(f"components, Euler characteristic {found} instead of {expected}")
+    problems += topology_problems(F, against.F)
     if abs(ratio - 1.0) > VOLUME_TOLERANCE:
         problems.append(f"{ratio:.3f} of the volume of the input")
     numbers = {
         "kind": "hybrid",
         **asdict(measured),
         "volume_ratio": ratio,
-        "components": found[0],
-        "euler_characteristic": found[1],
+        "components": components,
+        "euler_characteristic": euler,
         "hausdorff": distance.hausdorff / diagonal,
         "mean_distance": distance.mean / diagonal,
     }

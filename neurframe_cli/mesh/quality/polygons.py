@@ -40,6 +40,17 @@ def topology(faces: Ints) -> tuple[int, int]:
     return count_components(unique_edges(faces)[0]), euler_characteristic(faces)
 
 
+def topology_problems(faces: Ints, against: Ints) -> list[str]:
+    """What differs between the topology of the polygons `faces` (n,k) and that of `against` (m,l); empty if nothing."""
+    found, expected = topology(faces), topology(against)
+    if found == expected:
+        return []
+    problem = f"components, Euler characteristic {found} instead of {expected}"
+    if expected[1] % 2 and (unique_edges(against)[1] == 2).all():
+        problem += ", which no closed manifold has: the input touches itself in a vertex"
+    return [problem]
+
+
 def triangulated(quads: Ints) -> Ints:
     """Two triangles a quad (2n,3), first diagonal."""
     return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
