@@ -21,7 +21,7 @@ from neurframe_cli.mesh.optimize.reach import reach_far_places
 from neurframe_cli.mesh.optimize.soft_constraints import BAD, Placed, SoftConstraints
 from neurframe_cli.mesh.quality.polygons import unique_edges
 
-WORTH = 0.2  # scaled Jacobian that a hex may fall to where its vertices get to their places for that
+WORTH, SHARE = 0.2, 0.6  # scaled Jacobian, and share of the worst one, that a hex keeps while vertices settle
 RINGS = 3  # of hexes whose features let go
 PASSED_BY = (
     0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
@@ -113,12 +113,11 @@ def smooth_cells(
     final = _within(improver, origin, improved, probe, limit)
     released = 0
     if normals is None:
-        if not options.soft_first:
-            if final.state.inverted and (found := soft.untangled()) is not None:
-                improved, more = improver.run(found.state, found.state.x, part(progress, 0.5, 1.0))
-                final = _within(improver, found, improved, probe, limit)
-                rounds += more
-            final = soft.nearer(final)
+        if not options.soft_first and final.state.inverted and (found := soft.untangled()) is not None:
+            improved, more = improver.run(found.state, found.state.x, part(progress, 0.5, 1.0))
+            final = _within(improver, found, improved, probe, limit)
+            rounds += more
+        final = soft.nearer(final)
         if not voids:  # their boundary is pinned, too, and must stay
             last = part(progress, 1.0, 1.0)
             final, released, improver = _let_go(improver, final, probe, limit, surface, options.release, last)
@@ -186,7 +185,8 @@ def _settled(improver: Improver, placed: Placed, probe: DistanceProbe, limit: fl
     """Vertices where the constraints want them, wherever no hex gets poor for that: soft constraints leave all of them
     a little off, and planes uneven."""
     goal = improver.constraints.project(placed.state.x).points
-    allowed = np.minimum(placed.state.quality, WORTH)
+    quality = placed.state.quality
+    allowed = np.minimum(quality, max(WORTH, SHARE * quality.min()))
     return _moved(improver, placed, goal, probe, limit, allowed)
 
 
