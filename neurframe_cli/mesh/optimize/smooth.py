@@ -120,7 +120,7 @@ def smooth_cells(
         final = soft.nearer(final)
         if not voids:  # their boundary is pinned, too, and must stay
             last = part(progress, 1.0, 1.0)
-            final, released, improver = _let_go(improver, final, probe, limit, surface, options.release, last)
+            final, released = _let_go(improver, final, probe, limit, surface, options.release, last)
             final = _settled(improver, final, probe, limit)
     held_back = int((final.state.x != improved.x).any(axis=1).sum())
     if normals is not None:
@@ -153,16 +153,18 @@ def _let_go(
     surface: Surface,
     least: float,
     progress: Progress,
-) -> tuple[Placed, int, Improver]:
-    """Hexes better than `least`, where letting go of features in the poor ones makes them so, or in as many rings of
-    hexes round these as needed; with the number of vertices let go and the constraints without them."""
+) -> tuple[Placed, int]:
+    """Hexes better than `least`, where letting go of features in the poor ones makes them so, or round those that stay
+    poor in as many rings of hexes as needed; with the number of vertices let go."""
     held = improver.constraints.kind >= ON_CURVE
-    chosen, freed, free = np.zeros(len(improver.cells), bool), 0, improver
-    for _ in range(RINGS):
-        if placed.state.quality.min() > least:
+    chosen, freed = np.zeros(len(improver.cells), bool), 0
+    for rings in range(RINGS):
+        poor = np.asarray(placed.state.quality <= least)
+        if not poor.any():
             break
-        beside = np.isin(improver.cells, improver.cells[chosen]).any(axis=1)
-        chosen = np.asarray(beside | (placed.state.quality <= least))
+        for _ in range(rings):
+            poor = np.asarray(np.isin(improver.cells, improver.cells[poor]).any(axis=1))
+        chosen |= poor
         count = int(held[np.unique(improver.cells[chosen])].sum())
         if count == freed:
             continue
@@ -170,7 +172,7 @@ def _let_go(
         free = improver.constrained(let_go(improver.constraints, surface, improver.cells[chosen]))
         improved = free.run(placed.state, placed.state.x, progress)[0]
         placed = _within(free, placed, improved, probe, limit)
-    return placed, freed, free
+    return placed, freed
 
 
 def _within(
