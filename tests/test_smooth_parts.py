@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from smooth_shapes import cube_hexes, cylinder_surface, disk_quads, grid_quads, jitter, sphere_hexes
@@ -307,3 +311,27 @@ def test_features_let_go_of_the_hexes_that_they_flatten() -> None:
     np.testing.assert_allclose(free.project(away).points[~inside], constraints.project(away).points[~inside])
     on_surface = free.project(away).points[held & inside]
     np.testing.assert_allclose(np.abs(on_surface - 0.5).max(axis=1), 0.5)
+
+
+def test_the_number_of_threads_does_not_change_what_lbfgs_finds() -> None:
+    """More numbers than a single thread of BLAS takes: their inner products are not those of BLAS."""
+    program = (
+        "import numpy as np\n"
+        "from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise\n"
+        "rng = np.random.default_rng(0)\n"
+        "centre, stiffness = rng.normal(size=(2, 40_000, 3)) ** 2\n"
+        "energy = lambda x: (float((stiffness * (x - centre) ** 2).sum()), 2 * stiffness * (x - centre))\n"
+        "found, _ = minimise(energy, np.zeros_like(centre), np.ones((40_000, 1)), LbfgsOptions(10))\n"
+        "print(found.tobytes().hex()[:4000])"
+    )
+    results = {
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env=os.environ | {"OPENBLAS_NUM_THREADS": threads},
+            capture_output=True,
+            check=True,
+            text=True,
+        ).stdout
+        for threads in ("1", "2", "4")
+    }
+    assert len(results) == 1

@@ -43,8 +43,8 @@ def minimise(energy: Energy, x: Floats, scale: Floats, options: LbfgsOptions) ->
             break
         new_x, new_value, new_gradient = found
         step, change = new_x - x, new_gradient - gradient
-        curvature = float(np.vdot(step, change))
-        if curvature > 1e-12 * float(np.vdot(change, scale * change)):
+        curvature = _product(step, change)
+        if curvature > 1e-12 * _product(change, scale * change):
             pairs.append((step, change, curvature))
         decrease = value - new_value
         x, value, gradient = new_x, new_value, new_gradient
@@ -59,14 +59,14 @@ def _inverse_hessian_product(
     result = gradient.copy()
     coefficients = []
     for step, change, curvature in reversed(pairs):
-        coefficients.append(float(np.vdot(step, result)) / curvature)
+        coefficients.append(_product(step, result) / curvature)
         result -= coefficients[-1] * change
     result *= scale
     if pairs:
         _, change, curvature = pairs[-1]
-        result *= curvature / float(np.vdot(change, scale * change))
+        result *= curvature / _product(change, scale * change)
     for (step, change, curvature), coefficient in zip(pairs, reversed(coefficients), strict=True):
-        result += (coefficient - float(np.vdot(change, result)) / curvature) * step
+        result += (coefficient - _product(change, result) / curvature) * step
     return result
 
 
@@ -77,7 +77,7 @@ def _line_search(
 
     Trials beyond the domain, where the energy is inf, count as too long.
     """
-    slope = float(np.vdot(gradient, direction))
+    slope = _product(gradient, direction)
     if slope >= 0.0:
         return None
     t, short, long = 1.0, 0.0, np.inf
@@ -89,8 +89,14 @@ def _line_search(
             long = t
         else:
             found = new, new_value, new_gradient
-            if float(np.vdot(new_gradient, direction)) >= SLOPE_LEFT * slope:
+            if _product(new_gradient, direction) >= SLOPE_LEFT * slope:
                 break
             short = t
         t = 2 * short if long == np.inf else (short + long) / 2
     return found
+
+
+def _product(a: Floats, b: Floats) -> float:
+    """Inner product of a and b (n,3): not that of BLAS, whose last bits depend on the number of threads, and with them
+    which of two minima is found."""
+    return float(np.einsum("nd,nd->", a, b))
