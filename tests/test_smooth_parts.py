@@ -5,13 +5,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from smooth_shapes import cube_hexes, cylinder_surface, disk_quads, grid_quads, jitter, sphere_hexes
 
+from neurframe_cli.errors import StageError
 from neurframe_cli.mesh.arrays import Features, Floats, Surface
 from neurframe_cli.mesh.features import features_by_angle
+from neurframe_cli.mesh.optimize import corner_energy
 from neurframe_cli.mesh.optimize.approach import SLIDING, approach, retreat
 from neurframe_cli.mesh.optimize.cell_kind import HEXES, QUADS, CellKind, target_lengths
 from neurframe_cli.mesh.optimize.classify import classify
@@ -26,8 +29,9 @@ from neurframe_cli.mesh.optimize.let_go import let_go
 from neurframe_cli.mesh.optimize.match_curves import match_features
 from neurframe_cli.mesh.optimize.patches import components_cut_by
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
+from neurframe_cli.mesh.optimize.smooth import SmoothOptions
 from neurframe_cli.mesh.quality.polygons import triangulated, unique_edges
-from neurframe_cli.stages.smooth_hexes import boundary_quads
+from neurframe_cli.stages.smooth_hexes import boundary_quads, smooth_hexes
 
 
 def test_closest_points_on_segments() -> None:
@@ -335,3 +339,22 @@ def test_the_number_of_threads_does_not_change_what_lbfgs_finds() -> None:
         for threads in ("1", "2", "4")
     }
     assert len(results) == 1
+
+
+def test_vertices_do_not_settle_where_a_hex_gets_worse_than_the_worst_one_was() -> None:
+    """Perfect hexes of a cube, and a surface whose top leans: near enough as they are."""
+    shape = cube_hexes(3)
+    leaning = shape.surface.V + [0.0, 0.0, 0.15] * (shape.surface.V[:, :1] * shape.surface.V[:, 2:])
+    surface = Surface(leaning, shape.surface.F)
+    options = SmoothOptions(hausdorff_limit=0.2)
+    smoothed = smooth_hexes(shape.V, shape.cells, surface, shape.features, options, voids=False)
+    assert smoothed.report.before.min_scaled_jacobian == pytest.approx(1.0)
+    assert smoothed.report.after.min_scaled_jacobian >= smoothed.report.before.min_scaled_jacobian
+
+
+def test_without_its_library_smoothing_says_what_is_missing(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(corner_energy, "LIBRARY", tmp_path / "libneurframe_smooth.so")
+    with pytest.raises(StageError, match=r"libneurframe_smooth\.so cannot be loaded"):
+        corner_energy.load_library()

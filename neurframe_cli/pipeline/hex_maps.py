@@ -69,7 +69,7 @@ def mapped_hexes(
             report = {**grid.report, "of_the_map": made.finished.report}
             return MadeMesh(cells, made.parametrization, made.extraction, report)
         if made.finished.given_up:
-            made = maker.hexes(best, maker.map_file, part(context.progress, 0.7, 0.95), give_up=False)
+            made = maker.hexes(best, maker.map_file, part(context.progress, 0.95, 1.0), give_up=False)
     finished = made.finished
     if made.parametrization.statistics.get("polycube"):
         context.warn(POLYCUBE)

@@ -133,6 +133,10 @@ def _address(array: NDArray[Any] | None) -> int | None:
 
 @cache
 def _library() -> ctypes.CDLL:
+    return load_library()
+
+
+def load_library() -> ctypes.CDLL:
     """The loops of native/smooth; raises StageError where they were not built."""
     try:
         library = ctypes.CDLL(str(LIBRARY))

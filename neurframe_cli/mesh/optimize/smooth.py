@@ -184,11 +184,12 @@ def _within(
 
 
 def _settled(improver: Improver, placed: Placed, probe: DistanceProbe, limit: float) -> Placed:
-    """Vertices where the constraints want them, wherever no hex gets poor for that: soft constraints leave all of them
-    a little off, and planes uneven."""
+    """Vertices where the constraints want them, wherever no hex gets poor for that, nor worse than the worst one was at
+    first: soft constraints leave all of them a little off, and planes uneven."""
     goal = improver.constraints.project(placed.state.x).points
     quality = placed.state.quality
-    allowed = np.minimum(quality, max(WORTH, SHARE * quality.min()))
+    least = max(WORTH, SHARE * quality.min(), improver.first.quality.min())
+    allowed = np.minimum(quality, least)
     return _moved(improver, placed, goal, probe, limit, allowed)
 
 
