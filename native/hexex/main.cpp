@@ -57,6 +57,7 @@ ExitCode extract(const Arguments& arguments, Json& statistics) {
   statistics["vertices"] = extraction.V.size();
   statistics["folded_cells"] = extraction.folded_cells;
   statistics["joined_vertices"] = extraction.joined_vertices;
+  statistics["separated_vertices"] = extraction.separated_vertices;
   report_losses(map, extraction, statistics);
   const bool complete = is_complete(report, extraction);
   statistics["complete"] = complete;

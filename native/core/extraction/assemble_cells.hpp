@@ -37,13 +37,14 @@ enum class CellLoss {
   singularity_inside,  // it comes back to itself turned
   overlapping_sheets,  // its place is covered more than once
   collapsed_corners,   // two corners are one vertex
-  crowded_facet        // one of its facets would have three cells, or two on one side
+  crowded_facet,       // one of its facets would have three cells, or two on one side
+  pinched              // others touch it in a vertex or an edge only, and cannot be taken apart from it
 };
 
 inline const char* loss_name(CellLoss loss) {
-  constexpr const char* names[] = {"leaves_mesh",        "inexact_transition", "lost_walk",
-                                   "singularity_inside", "overlapping_sheets", "collapsed_corners",
-                                   "crowded_facet"};
+  constexpr const char* names[] = {
+      "leaves_mesh",        "inexact_transition", "lost_walk",     "singularity_inside",
+      "overlapping_sheets", "collapsed_corners",  "crowded_facet", "pinched"};
   return names[static_cast<int>(loss)];
 }
 

@@ -4,7 +4,7 @@
 //   2. find the cell centres, walk to the corners of each          trace_cells.hpp, diagonal_walk.hpp
 //   3. number the corners between simplices; join repeated ones    grid_vertices.hpp, folded_vertices.hpp
 //   4. assemble cells, account for those that are lost             folded_cells.hpp, assemble_cells.hpp,
-//   manifold_cells.hpp
+//                                                                  manifold_cells.hpp, separate_pinches.hpp
 //   5. place the vertices                                          locate_points.hpp, here
 #pragma once
 
@@ -19,6 +19,7 @@
 #include "core/extraction/folded_vertices.hpp"
 #include "core/extraction/locate_points.hpp"
 #include "core/extraction/manifold_cells.hpp"
+#include "core/extraction/separate_pinches.hpp"
 
 namespace neurframe {
 
@@ -30,6 +31,7 @@ struct Extraction {
   std::vector<LostCell<N>> lost;
   int folded_cells = 0;
   int joined_vertices = 0;
+  int separated_vertices = 0;  // copies of others, for cells that no facet connects
 };
 
 namespace detail {
@@ -74,6 +76,25 @@ void place_vertices(const GridMap<N>& map, const InteriorPoints<N>& points, cons
   });
 }
 
+// Copies the places of the vertices that `copied` names to the numbers from `vertices` on.
+template <int N>
+void place_copies(const std::vector<int>& copied, int vertices, const std::vector<int>& renumbered,
+                  Extraction<N>& out) {
+  for (std::size_t i = 0; i < copied.size(); ++i) {
+    const auto from = static_cast<std::size_t>(renumbered[static_cast<std::size_t>(copied[i])]);
+    const auto to = static_cast<std::size_t>(renumbered[static_cast<std::size_t>(vertices) + i]);
+    out.V[to] = out.V[from];
+    out.locations[to] = out.locations[from];
+  }
+}
+
+// Where no tet is flipped and no cell is lost the cells are those of a manifold.
+template <int N>
+bool may_be_pinched(const GridMap<N>& map, const AssembledCells<N>& assembled) {
+  return !assembled.lost.empty() ||
+         std::any_of(map.orientation.begin(), map.orientation.end(), [](auto sign) { return sign < 0; });
+}
+
 }  // namespace detail
 
 using ExtractionProgress = std::function<void(double fraction, const std::string& step)>;
@@ -91,17 +112,22 @@ Extraction<N> extract_cells(const GridMap<N>& map, int threads, const Extraction
   progress(0.7, "connectivity");
   AssembledCells<N> assembled = assemble_cells(map, points, traced, vertices);
   drop_crowding_cells(traced, vertices.count(), threads, assembled);
+  std::vector<int> copied;
+  if (detail::may_be_pinched(map, assembled)) copied = separate_pinches(traced, vertices.count(), assembled);
   progress(0.9, "positions");
   Extraction<N> out;
   out.cells = std::move(assembled.cells);
   out.lost = std::move(assembled.lost);
   out.folded_cells = assembled.folded;
   out.joined_vertices = vertices.joined();
+  out.separated_vertices = static_cast<int>(copied.size());
   int used = 0;
-  const std::vector<int> renumbered = detail::compact_vertices<N>(out.cells, vertices.count(), used);
+  const std::vector<int> renumbered =
+      detail::compact_vertices<N>(out.cells, vertices.count() + out.separated_vertices, used);
   out.V.resize(static_cast<std::size_t>(used));
   out.locations.resize(static_cast<std::size_t>(used));
   detail::place_vertices(map, points, vertices, renumbered, threads, out);
+  detail::place_copies(copied, vertices.count(), renumbered, out);
   return out;
 }
 
