@@ -11,7 +11,15 @@ import trimesh
 from neurframe_cli.errors import NotValid
 from neurframe_cli.mesh.arrays import Features, Surface, as_surface
 from neurframe_cli.mesh.features import features_by_angle
-from neurframe_cli.mesh.grid_cells import area_axes, centre_depths, grid_over, hexes_of, with_passed_by
+from neurframe_cli.mesh.grid_cells import (
+    area_axes,
+    centre_depths,
+    grid_over,
+    hexes_of,
+    split_at,
+    with_passed_by,
+)
+from neurframe_cli.mesh.grid_planes import grid_planes
 from neurframe_cli.mesh.hex_shell import hex_shell
 from neurframe_cli.mesh.measure import enclosed_volume, surface_area
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
@@ -55,7 +63,7 @@ def test_axes_are_those_of_a_turned_box() -> None:
 
 def test_a_grid_fills_a_turned_box_without_a_remainder() -> None:
     surface = surface_of(turned(trimesh.creation.box(extents=(1.0, 2.0, 3.0))))
-    grid = grid_over(surface, area_axes(surface), 0.45)
+    grid = grid_over(surface, features_of(surface), area_axes(surface), 0.45)
     assert sorted(grid.counts) == [2, 4, 7]
     depth = centre_depths(grid, surface)
     assert (depth > 0.0).all()
@@ -65,12 +73,65 @@ def test_a_grid_fills_a_turned_box_without_a_remainder() -> None:
     assert hex_scaled_jacobians(V, H).min() == pytest.approx(1.0)
 
 
+def test_planes_lie_in_flat_parts_of_the_surface() -> None:
+    """A step of 0.37 on a block: a plane in its tread, one in its riser, the rest of the block divided evenly."""
+    low = trimesh.creation.box(bounds=[[0, 0, 0], [2, 0.37, 1.5]])
+    high = trimesh.creation.box(bounds=[[0, 0.37, 0], [1.3, 1, 1.5]])
+    surface = surface_of(trimesh.util.concatenate([low, high]))
+    x, y, z = grid_planes(surface, features_of(surface), np.eye(3), 0.25)
+    assert min(abs(x - 1.3)) < 1e-12
+    assert min(abs(y - 0.37)) < 1e-12
+    for places, length in ((x, 2.0), (y, 1.0), (z, 1.5)):
+        assert (places[0], places[-1]) == pytest.approx((0.0, length))
+        assert (np.diff(places) > 0.15).all()
+        assert (np.diff(places) < 0.38).all()
+    np.testing.assert_allclose(np.diff(z), 0.25)
+
+
+def test_planes_that_carry_little_or_are_close_together_are_left_out() -> None:
+    """A tread 0.05 above the floor of a block, and another that is smaller than two cells."""
+    block = trimesh.creation.box(extents=(2.0, 2.0, 1.0), transform=shifted(0.0, 0.0, 0.5))
+    tread = trimesh.creation.box(extents=(1.0, 1.0, 0.05), transform=shifted(0.0, 0.0, 1.025))
+    knob = trimesh.creation.box(extents=(0.1, 0.1, 0.1), transform=shifted(0.9, 0.9, 1.05))
+    surface = surface_of(trimesh.util.concatenate([block, tread, knob]))
+    features = features_of(surface)
+    z = grid_planes(surface, features, np.eye(3), 0.25)[2]
+    assert z[-1] == pytest.approx(1.1)
+    assert min(abs(z - 1.0)) < 1e-12  # the floor carries more than the tread 0.05 above it
+    assert min(abs(z - 1.05)) > 0.04
+
+
+def test_cells_are_halved_in_the_slabs_of_places() -> None:
+    surface = surface_of(trimesh.creation.box())
+    grid = grid_over(surface, features_of(surface), np.eye(3), 0.25)
+    finer = split_at(grid, np.array([[-0.4, 0.1, 0.45], [-0.45, 0.1, 0.4]]))
+    np.testing.assert_array_equal(finer.counts, [5, 5, 5])
+    np.testing.assert_allclose(finer.planes[0], [-0.5, -0.375, -0.25, 0.0, 0.25, 0.5])
+    np.testing.assert_allclose(finer.planes[1], [-0.5, -0.25, 0.0, 0.125, 0.25, 0.5])
+
+
+def test_cells_are_halved_where_the_surface_is_too_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ring of coarse cells, too far from it all round."""
+    monkeypatch.setattr(stage, "MOST_GROWTH", 9.0)
+    surface = surface_of(trimesh.creation.torus(1.0, 0.3, major_sections=48, minor_sections=24))
+    made = grid_hexes(surface, features_of(surface), 0.3, GridOptions())
+    assert (made.finer, made.split) == (1.0, 1)
+    first, second = made.report["grid"]
+    assert "Hausdorff distance" in first["refused"]
+    assert second["refused"] is None
+    assert second["cells"] > first["cells"]
+
+
+def shifted(x: float, y: float, z: float) -> Any:
+    return trimesh.transformations.translation_matrix((x, y, z))
+
+
 def test_cells_are_added_where_the_surface_passes_them_by() -> None:
     """A spike on a block, thinner than a cell, so that no centre lies in it."""
     block = trimesh.creation.box(extents=(1.0, 1.0, 1.0))
-    spike = trimesh.creation.box(extents=(0.06, 0.06, 0.5)).apply_translation((0.25, 0.25, 0.75))
+    spike = trimesh.creation.cylinder(0.03, 0.5, sections=24).apply_translation((0.15, 0.15, 0.75))
     surface = surface_of(trimesh.util.concatenate([block, spike]))
-    grid = grid_over(surface, np.eye(3), 0.125)
+    grid = grid_over(surface, features_of(surface), np.eye(3), 0.125)
     cells = np.argwhere(centre_depths(grid, surface) > 0.0)
     added = with_passed_by(grid, cells, surface)
     assert {tuple(c) for c in cells} < {tuple(c) for c in added}
@@ -80,7 +141,7 @@ def test_cells_are_added_where_the_surface_passes_them_by() -> None:
 
 def test_a_layer_lies_round_all_hexes() -> None:
     surface = surface_of(trimesh.creation.icosphere(3))
-    grid = grid_over(surface, np.eye(3), 0.3)
+    grid = grid_over(surface, features_of(surface), np.eye(3), 0.3)
     V, H = hexes_of(grid, np.argwhere(centre_depths(grid, surface) > 0.0))
     before = hex_shell(H).quads
     layered, cells = pillow_hexes(V, H)

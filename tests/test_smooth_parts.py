@@ -15,7 +15,7 @@ from neurframe_cli.errors import StageError
 from neurframe_cli.mesh.arrays import Features, Floats, Surface
 from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.optimize import corner_energy
-from neurframe_cli.mesh.optimize.approach import SLIDING, approach, retreat
+from neurframe_cli.mesh.optimize.approach import NEARLY, SLIDING, approach, retreat
 from neurframe_cli.mesh.optimize.cell_kind import HEXES, QUADS, CellKind, target_lengths
 from neurframe_cli.mesh.optimize.classify import classify
 from neurframe_cli.mesh.optimize.constraints import ON_CURVE, ON_SURFACE, PINNED
@@ -164,6 +164,45 @@ def test_a_hairpin_is_followed_to_its_end() -> None:
     np.testing.assert_array_equal(path, [*range(9, 17), *range(25, 17, -1)])
 
 
+def straight_curves(ends: list[tuple[int, int]], corners: int) -> FeatureCurves:
+    curves = tuple(np.array(pair) for pair in ends)
+    return FeatureCurves(curves, np.zeros(len(curves), bool), np.arange(corners), np.zeros(corners, bool))
+
+
+def test_curves_that_want_the_same_edges_make_room_for_each_other() -> None:
+    """Three curves within half an edge of one row of vertices, whose ends are on three rows: alone each would take the
+    row in the middle, whoever came first would keep the others from it."""
+    i, j = np.divmod(np.arange(7 * 13), 13)
+    X = np.stack([j, i, 0 * i], axis=1).astype(float)
+    V = np.array([[0.0, 2, 0], [12, 2, 0], [0, 3, 0], [12, 3, 0], [0, 4, 0], [12, 4, 0]])
+    bent = np.array([[1.0, 2.8, 0], [11, 2.8, 0], [1.0, 3.2, 0], [11, 3.2, 0]])
+    curves = FeatureCurves(
+        (np.array([0, 6, 7, 1]), np.array([2, 3]), np.array([4, 8, 9, 5])),
+        np.zeros(3, bool),
+        np.arange(6),
+        np.zeros(6, bool),
+    )
+    matched = match_features(np.concatenate([V, bent]), curves, X, grid_quads(6, 12))
+    assert [m.whole for m in matched.curves] == [True, True, True]
+    paths = [set(m.path.tolist()) for m in matched.curves]
+    assert sum(map(len, paths)) == len(set.union(*paths))
+
+
+def test_a_curve_that_finds_no_path_is_followed_from_its_ends() -> None:
+    """A wall of longer curves across it, which are on every column of vertices that it could pass between."""
+    i, j = np.divmod(np.arange(9 * 13), 13)
+    X = np.stack([j, i, 0 * i], axis=1).astype(float)
+    V = np.array([[0.0, 4, 0], [12, 4, 0], [6, 0, 0], [6, 8, 0]])
+    longer = straight_curves([(0, 1), (2, 3)], 4)
+    matched = match_features(V * [1, 2, 1], longer, X * [1, 2, 1], grid_quads(8, 12))
+    across = [m for m in matched.curves if m.curve == 0]
+    assert [m.whole for m in matched.curves if m.curve == 1] == [True]
+    assert [m.whole for m in across] == [False, False]
+    covered = np.concatenate([X[m.path, 0] for m in across])
+    assert sorted(covered) == [0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12]
+    assert all((X[m.path, 1] == 4).all() for m in across)
+
+
 def test_a_closed_curve_is_matched_all_the_way_round() -> None:
     V2, Q = disk_quads(4, 3)
     X = np.column_stack([V2, np.zeros(len(V2))])
@@ -242,17 +281,17 @@ def test_bad_hexes_open_within_the_limit_of_distance() -> None:
     constraints = classify(shape.V, faces, shape.surface, shape.features, solid=True, voids=True).constraints
     improver = Improver(shape.V, shape.cells, HEXES, constraints, None, ImproveOptions())
     probe = DistanceProbe(faces, shape.surface, 2000, np.random.default_rng(0))
-    limit = 0.07
 
-    def distance(x: Floats) -> float:
-        return float(probe.measure(x).by_face.max())
+    def excess(x: Floats, limit: float) -> float:
+        return float(np.maximum(probe.measure(x).by_face - limit, 0.0).sum())
 
-    found = retreat(improver, shape.V, distance, limit)
+    found = retreat(improver, shape.V, lambda x: excess(x, 0.07))
     assert found is not None
-    assert distance(found.x) <= limit
+    assert excess(found.x, 0.07) == 0.0
     assert improver.first.quality.min() < 0.25
     assert found.quality.min() > 0.4
-    assert retreat(improver, shape.V, distance, 0.01) is None  # no four hexes across a ball are that near
+    # no four hexes across a ball are that near
+    assert retreat(improver, shape.V, lambda x: excess(x, 0.01)) is None
 
 
 def test_tangled_hexes_come_near_their_surface_untangled() -> None:
@@ -269,15 +308,15 @@ def test_tangled_hexes_come_near_their_surface_untangled() -> None:
 
     assert improver.first.inverted > 0
     limit = 1.2 * distance(shape.V)
-    found = approach(improver, tangled, tangled, (SLIDING, 0.0), distance, limit)
+    found = approach(improver, tangled, tangled, (SLIDING, 0.0), lambda x: max(0.0, distance(x) - limit))
     assert found is not None
     assert found.inverted == 0
     assert distance(found.x) <= limit
     # where no state is within the limit, a sound one all the same
-    nearest = approach(improver, tangled, tangled, (SLIDING, 0.0), distance, 0.0)
+    nearest = approach(improver, tangled, tangled, (SLIDING, 0.0), distance)
     assert nearest is not None
     assert nearest.inverted == 0
-    assert distance(nearest.x) <= distance(found.x)
+    assert distance(nearest.x) <= NEARLY * distance(found.x)
 
 
 def test_a_bent_quad_is_as_far_away_as_the_worse_of_its_triangulations() -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from neurframe_cli.mesh.arrays import Floats, Ints, Surface
+from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
+from neurframe_cli.mesh.grid_planes import grid_planes
 from neurframe_cli.mesh.hex_shell import hex_shell
 from neurframe_cli.mesh.inside import depth_in_surface
 from neurframe_cli.mesh.measure import surface_area
@@ -26,29 +27,43 @@ STARTS, STEPS = 12, 50  # of the search for axes
 
 @dataclass(frozen=True)
 class Grid:
-    """axes (3,3): unit rows, right-handed; lower (3,), step (3,) along them; counts (3,) of cells."""
+    """axes (3,3): unit rows, right-handed; planes: places (k,) of its planes along each; edge_length: about that of its
+    cells."""
 
     axes: Floats
-    lower: Floats
-    step: Floats
-    counts: Ints
+    planes: tuple[Floats, Floats, Floats]
+    edge_length: float
+
+    @property
+    def counts(self) -> Ints:
+        """Of cells (3,) along the axes."""
+        return np.array([len(places) - 1 for places in self.planes])
 
     def points(self, index: Floats | Ints) -> Floats:
-        """Points (k,3) at multiples (k,3) of the step."""
-        return np.asarray((self.lower + index * self.step) @ self.axes)
+        """Points (k,3) at places (k,3) counted in cells."""
+        along = [np.interp(index[:, i], np.arange(len(p)), p) for i, p in enumerate(self.planes)]
+        return np.asarray(np.stack(along, axis=1) @ self.axes)
 
     def cells_at(self, points: Floats) -> Ints:
         """Which cells (k,3) the points (k,3) lie in; those outside, in the nearest one."""
-        index = np.floor((points @ self.axes.T - self.lower) / self.step).astype(np.int64)
-        return np.clip(index, 0, self.counts - 1)
+        along = points @ self.axes.T
+        index = [np.searchsorted(p, along[:, i], side="right") - 1 for i, p in enumerate(self.planes)]
+        return np.clip(np.stack(index, axis=1), 0, self.counts - 1)
 
 
-def grid_over(surface: Surface, axes: Floats, edge_length: float) -> Grid:
-    """The bounding box along the axes, in cells whose edges are as near to `edge_length` as fills it evenly."""
-    P = surface.V[np.unique(surface.F)] @ axes.T
-    lower, extent = P.min(axis=0), np.ptp(P, axis=0)
-    counts = np.maximum(1, np.round(extent / edge_length)).astype(np.int64)
-    return Grid(axes, lower, extent / counts, counts)
+def grid_over(surface: Surface, features: Features, axes: Floats, edge_length: float) -> Grid:
+    """A grid over the bounding box along the axes, with planes where the surface has flat parts and straight edges."""
+    return Grid(axes, grid_planes(surface, features, axes, edge_length), edge_length)
+
+
+def split_at(grid: Grid, points: Floats) -> Grid:
+    """The grid with one more plane through the middle of each slab that holds one of the points (k,3)."""
+    slabs = grid.cells_at(points)
+    planes = []
+    for i, places in enumerate(grid.planes):
+        k = np.unique(slabs[:, i])
+        planes.append(np.sort(np.concatenate([places, (places[k] + places[k + 1]) / 2])))
+    return replace(grid, planes=(planes[0], planes[1], planes[2]))
 
 
 def area_axes(surface: Surface) -> Floats:
@@ -80,17 +95,17 @@ def area_axes(surface: Surface) -> Floats:
 
 
 def centre_depths(grid: Grid, surface: Surface) -> Floats:
-    """How deep the centre of each cell lies in the solid, (a,b,c) by its index, in mean edges; negative outside."""
+    """How deep the centre of each cell lies in the solid, (a,b,c) by its index, in edges; negative outside."""
     index = np.stack(np.meshgrid(*map(np.arange, grid.counts), indexing="ij"), axis=-1)
     depth = depth_in_surface(grid.points(np.asarray(index.reshape(-1, 3) + 0.5, np.float64)), surface)
-    return np.asarray(depth.reshape(index.shape[:-1]) / grid.step.mean())
+    return np.asarray(depth.reshape(index.shape[:-1]) / grid.edge_length)
 
 
 def with_passed_by(grid: Grid, cells: Ints, surface: Surface) -> Ints:
     """The cells (k,3), and those at places of the surface that they pass by: tips, walls thinner than a cell."""
     import igl
 
-    h = float(grid.step.mean())
+    h = grid.edge_length
     count = int(np.clip(SAMPLES_PER_FACE * surface_area(surface.V, surface.F) / h**2, 1, MOST_SAMPLES))
     P = sample_surface(surface, count, np.random.default_rng(0))
     for _ in range(ROUNDS):

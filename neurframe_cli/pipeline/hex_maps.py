@@ -182,4 +182,5 @@ class _HexMaker:
 
 
 def _finer(made: GridHexes) -> str:
-    return "" if made.finer == 1.0 else f", {made.finer:g} times finer than asked for"
+    everywhere = "" if made.finer == 1.0 else f", {made.finer:g} times finer than asked for"
+    return everywhere + (", and finer in the places where that was too far from it" if made.split else "")

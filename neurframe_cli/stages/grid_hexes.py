@@ -18,7 +18,18 @@ import numpy as np
 from neurframe_cli.errors import NotValid
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part, silent
 from neurframe_cli.mesh.followed_features import followed_features
-from neurframe_cli.mesh.grid_cells import Grid, area_axes, centre_depths, grid_over, hexes_of, with_passed_by
+from neurframe_cli.mesh.grid_cells import (
+    Grid,
+    area_axes,
+    centre_depths,
+    grid_over,
+    hexes_of,
+    split_at,
+    with_passed_by,
+)
+from neurframe_cli.mesh.hex_shell import hex_shell
+from neurframe_cli.mesh.measure import box_diagonal
+from neurframe_cli.mesh.optimize.distance_probe import BothDiagonals
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
 from neurframe_cli.mesh.optimize.soft_constraints import BAD
 from neurframe_cli.mesh.pinches import has_topology_of, separate_pinches
@@ -33,7 +44,10 @@ MOST_CELLS = 20_000_000  # of a grid, inside and outside
 # how deep the centre of a cell lies at least, in its edges; the first that gives the topology of the surface is taken
 DEPTHS = (0.0, -0.1, 0.1, -0.2, 0.2, -0.3, 0.3, -0.4, -0.5, -0.6)
 LEAST_GAIN = 3e-5  # of a corner in a round; few hexes are poor, and the mean gains little with them
-HOPELESS = 1.2  # limits of the distance; where a finer grid is expected to be farther away it is left out
+SPLITS = 2  # of the cells in places where the hexes are too far from the surface
+MOST_GROWTH = 2.5  # times as many cells for that; beyond, a finer grid is as good
+HALVED = 4.0  # limits of the distance, which edges half as long bring down by so much at best
+HOPELESS = 2.0  # limits of the distance; where a finer grid is expected to be farther away it is left out
 MARGIN = 0.9  # of the limit that a mesh has to keep: a staircase bends many quads, which samples do not see as they are
 
 
@@ -56,12 +70,14 @@ class GridOptions:
 @dataclass(frozen=True)
 class GridHexes:
     """V (n,3), cells (h,8); worst: their least scaled Jacobian; finer: times as many cells along each edge as asked
-    for; report: what smoothing did, and every grid tried."""
+    for; split: how often cells are halved where the hexes were too far from the surface; report: what smoothing did,
+    and every grid tried."""
 
     V: Floats
     cells: Ints
     worst: float
     finer: float
+    split: int
     report: dict[str, Any]
 
 
@@ -78,33 +94,82 @@ def grid_hexes(
     Raises NotValid, which says what was the matter with each, where none does.
     """
     axes = area_axes(surface)
-    tried: list[dict[str, Any]] = []
-    found: GridHexes | None = None
+    trials = _Trials(surface, features, options)
     for number, finer in enumerate(FINER):
-        if tried and _too_coarse(tried[-1], finer, options.check.hausdorff_limit):
+        if trials.tried and _too_coarse(trials.tried[-1], finer, options.check.hausdorff_limit):
             continue
         steps = part(progress, number / len(FINER), (number + 1) / len(FINER))
-        grid = grid_over(surface, axes, edge_length / finer)
+        grid: Grid | None = grid_over(surface, features, axes, edge_length / finer)
+        for split in range(SPLITS + 1):
+            within = part(steps, split / (SPLITS + 1), (split + 1) / (SPLITS + 1))
+            grid = trials.attempt(grid, finer, split, within) if grid is not None else None
+        if trials.found is not None and trials.found.worst > BAD:
+            break
+    if trials.found is None:
+        raise NotValid(f"no grid of cells gives hexes that pass: {trials.told()}")
+    return trials.found
+
+
+class _Trials:
+    """One grid after the other: what came of each, and the best hexes so far."""
+
+    def __init__(self, surface: Surface, features: Features, options: GridOptions) -> None:
+        self.surface, self.features, self.options = surface, features, options
+        self.tried: list[dict[str, Any]] = []
+        self.found: GridHexes | None = None
+
+    def attempt(self, grid: Grid, finer: float, split: int, progress: Progress) -> Grid | None:
+        """Smooth and judge the hexes of a grid; where nothing but a few places are too far from the surface, the grid
+        that is finer there."""
+        surface, options = self.surface, self.options
         try:
-            smoothed, H = _on_surface(grid, surface, features, options.smoothing, finer > 1.0, steps)
+            smoothed, H = _on_surface(
+                grid, surface, self.features, options.smoothing, finer > 1.0 or split > 0, progress
+            )
         except NotValid as error:
-            tried.append({"finer": finer, "refused": str(error)})
-            continue
-        verdict = check_hexes(smoothed.V, H, surface, features, options.check)
+            self.tried.append({"finer": finer, "split": split, "refused": str(error)})
+            return None
+        verdict = check_hexes(smoothed.V, H, surface, self.features, options.check)
         refused = None if verdict.valid else ", ".join(verdict.problems)
-        tried.append(
-            {"finer": finer, "refused": refused, "cells": len(H), "smoothing": asdict(smoothed.report)}
+        smoothing = asdict(smoothed.report)
+        self.tried.append(
+            {"finer": finer, "split": split, "refused": refused, "cells": len(H), "smoothing": smoothing}
         )
         worst = smoothed.report.after.min_scaled_jacobian
-        if verdict.valid and (found is None or worst > found.worst):
-            report = {"smoothing": tried[-1]["smoothing"], "grid": tried}
-            found = GridHexes(smoothed.V, H, worst, finer, report)
-        if found is not None and found.worst > BAD:
-            break
-    if found is None:
-        told = "; ".join(f"x {attempt['finer']:g}: {attempt['refused']}" for attempt in tried)
-        raise NotValid(f"no grid of cells gives hexes that pass: {told}")
-    return found
+        if verdict.valid and (self.found is None or worst > self.found.worst):
+            self.found = GridHexes(
+                smoothed.V, H, worst, finer, split, {"smoothing": smoothing, "grid": self.tried}
+            )
+        if verdict.valid or smoothed.report.after.inverted:
+            return None
+        return self._finer_where_far(grid, smoothed, H)
+
+    def _finer_where_far(self, grid: Grid, smoothed: SmoothedMesh, H: Ints) -> Grid | None:
+        """The grid with more planes where the hexes are too far from the surface; None where that is everywhere, or
+        nowhere, or so far that twice as many planes would not do."""
+        limit = self.options.check.hausdorff_limit
+        if smoothed.report.after.hausdorff > HALVED * limit:
+            return None
+        far = far_places(smoothed.V, hex_shell(H).quads, self.surface, self.options.smoothing)
+        finer = split_at(grid, far)
+        growth = math.prod(finer.counts.tolist()) / math.prod(grid.counts.tolist())
+        return finer if 1.0 < growth <= MOST_GROWTH else None
+
+    def told(self) -> str:
+        """What was the matter with each."""
+        places = (" and finer in places" if attempt["split"] else "" for attempt in self.tried)
+        told = zip(self.tried, places, strict=True)
+        return "; ".join(f"x {attempt['finer']:g}{where}: {attempt['refused']}" for attempt, where in told)
+
+
+def far_places(V: Floats, quads: Ints, surface: Surface, options: SmoothOptions) -> Floats:
+    """Places (k,3) of the surface that quads (f,4) over V (n,3) leave farther away than the limit, and the centres of
+    quads that are that far from the surface."""
+    probe = BothDiagonals(quads, surface, options.samples, np.random.default_rng(options.seed))
+    distances = probe.measure(V)
+    limit = options.hausdorff_limit * box_diagonal(surface.V[np.unique(surface.F)])
+    back = distances.back.reshape(2, -1).max(axis=0)  # for one diagonal and the other
+    return np.concatenate([probe.points[back > limit], V[quads[distances.there > limit]].mean(axis=1)])
 
 
 def _too_coarse(last: dict[str, Any], finer: float, limit: float) -> bool:
@@ -138,7 +203,7 @@ def _on_surface(
     V, H = _layered(grid, depth, surface)
     if bounded and len(H) > MOST_HEXES:
         raise NotValid(f"more than {MOST_HEXES:,} hexes")
-    followed = followed_features(surface, features, float(grid.step.mean()))
+    followed = followed_features(surface, features, grid.edge_length)
     return smooth_hexes(V, H, surface, followed, smoothing, part(progress, 0.1, 0.9), voids=False), H
 
 

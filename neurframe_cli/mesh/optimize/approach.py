@@ -27,7 +27,7 @@ from neurframe_cli.mesh.optimize.improve import BARRIER_FROM, Improver, State
 from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise
 
 FIRST, LAST, GROWTH = 0.1, 1e5, 4.0  # weights of the penalty
-NEARLY = 1.02  # times the least distance: what comes after makes hexes worse and the mesh hardly nearer
+NEARLY = 1.3  # times the least excess: what comes after makes hexes worse and the mesh hardly nearer
 SLIDING = 50.0  # weight up to which places are held
 STEPS = 30  # L-BFGS iterations with each
 IDLE = 3  # weights beyond SLIDING that bring the mesh hardly nearer; what comes after does not, either
@@ -39,13 +39,14 @@ def approach(
     X: Floats,
     start: Floats,
     ways: Sequence[float],
-    distance: Callable[[Floats], float],
-    limit: float,
+    excess: Callable[[Floats], float],
 ) -> State | None:
-    """The first state on the way from X (n,3) to the constraints that inverts nothing and is within the limit of the
-    distance; if there is none, one of those that are nearly as near as the nearest, or None if all invert something.
+    """The first state on the way from X (n,3) to the constraints that inverts nothing and is near enough; if there is
+    none, one of those that are nearly as near as the nearest, or None if all invert something.
 
-    start (n,3): where the vertices go where their places are held; ways: up to which weight they are held in each.
+    start (n,3): where the vertices go where their places are held; ways: up to which weight they are held in each;
+    excess: of all faces together over the limit of the distance, 0 where they are near enough.  The largest distance
+    would tell less: where one place can never be reached, all weights would be the same.
     """
     sound: list[tuple[float, State]] = []
     for sliding in ways:
@@ -53,9 +54,9 @@ def approach(
         for weight, found in _way(improver, X, start, sliding):
             if found.inverted:
                 continue
-            away = distance(found.x)
+            away = excess(found.x)
             sound.append((away, found))
-            if away <= limit:
+            if away <= 0.0:
                 return found
             idle = idle + 1 if weight > SLIDING and NEARLY * away > least else 0
             least = min(least, away)
@@ -77,10 +78,8 @@ def _way(improver: Improver, x: Floats, start: Floats, sliding: float) -> Iterat
         weight *= GROWTH
 
 
-def retreat(
-    improver: Improver, start: Floats, distance: Callable[[Floats], float], limit: float
-) -> State | None:
-    """The state with the best hexes that is not farther away than the limit, from `start` (n,3), which is near but has
+def retreat(improver: Improver, start: Floats, excess: Callable[[Floats], float]) -> State | None:
+    """The state with the best hexes that is near enough, from `start` (n,3), which is near but has
     bad ones; None if there is none without inverted hexes."""
     best, weight = None, LAST
     places = improver.constraints.project(start).points
@@ -90,7 +89,7 @@ def retreat(
         weight /= GROWTH
         if state.inverted:
             continue
-        if distance(x) > limit:
+        if excess(x) > 0.0:
             break
         best = state
     return best

@@ -35,10 +35,12 @@ class Patches:
 def pair_patches(
     X: Floats, faces: Ints, surface: Surface, curves: FeatureCurves, matched: MatchedFeatures
 ) -> Patches:
-    """Pair the components of mesh and surface, cut along the matched curves, by a vote of the face centres."""
+    """Pair the components of mesh and surface, cut along the curves that are matched whole, by a vote of the face
+    centres."""
     whole = SimplexTree(surface.V, surface.F)
-    mesh_part = components_cut_by(faces, path_edges([m.path for m in matched.curves]))
-    input_part = components_cut_by(surface.F, path_edges([curves.curves[m.curve] for m in matched.curves]))
+    cuts = [m for m in matched.curves if m.whole]
+    mesh_part = components_cut_by(faces, path_edges([m.path for m in cuts]))
+    input_part = components_cut_by(surface.F, path_edges([curves.curves[m.curve] for m in cuts]))
     closest = whole.nearest(X[faces].mean(axis=1))[1]
     winners = _vote(mesh_part, input_part[closest])
     parts = np.unique(winners[winners >= 0])

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from neurframe_cli.mesh.arrays import Floats
 from neurframe_cli.mesh.optimize.approach import SLIDING, approach, retreat
 from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe, Distances
@@ -51,7 +53,7 @@ class SoftConstraints:
             return placed
         found = None
         if away <= self.limit:
-            found = retreat(self.improver, placed.state.x, self._distance, self.limit)
+            found = retreat(self.improver, placed.state.x, self._excess)
         if found is None and (placed.state.inverted or away > self.limit):
             found = self._approach()
         if found is None or self._distance(found.x) > max(self.limit, away):
@@ -62,7 +64,7 @@ class SoftConstraints:
         """Worked out once."""
         if not self._approached:
             improver, X, start = self.improver, self.X, self.start
-            found = approach(improver, X, start, self.ways, self._distance, self.limit)
+            found = approach(improver, X, start, self.ways, self._excess)
             self._approached.append(found)
         return self._approached[0]
 
@@ -71,3 +73,7 @@ class SoftConstraints:
 
     def _distance(self, x: Floats) -> float:
         return float(self.probe.measure(x).by_face.max())
+
+    def _excess(self, x: Floats) -> float:
+        """Of the faces over the limit, in limits."""
+        return float(np.maximum(self.probe.measure(x).by_face / self.limit - 1.0, 0.0).sum())
