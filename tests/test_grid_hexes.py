@@ -12,12 +12,13 @@ from neurframe_cli.errors import NotValid
 from neurframe_cli.mesh.arrays import Features, Surface, as_surface
 from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.grid_cells import (
+    Grid,
     area_axes,
     centre_depths,
+    fitted_cells,
     grid_over,
     hexes_of,
     split_at,
-    with_passed_by,
 )
 from neurframe_cli.mesh.grid_planes import grid_planes
 from neurframe_cli.mesh.hex_shell import hex_shell
@@ -132,11 +133,42 @@ def test_cells_are_added_where_the_surface_passes_them_by() -> None:
     spike = trimesh.creation.cylinder(0.03, 0.5, sections=24).apply_translation((0.15, 0.15, 0.75))
     surface = surface_of(trimesh.util.concatenate([block, spike]))
     grid = grid_over(surface, features_of(surface), np.eye(3), 0.125)
-    cells = np.argwhere(centre_depths(grid, surface) > 0.0)
-    added = with_passed_by(grid, cells, surface)
-    assert {tuple(c) for c in cells} < {tuple(c) for c in added}
+    depth = centre_depths(grid, surface)
+    added = fitted_cells(grid, depth, depth > 0.0, surface)
+    assert {tuple(c) for c in np.argwhere(depth > 0.0)} < {tuple(c) for c in added}
     top = hexes_of(grid, added)[0][:, 2].max()
     assert top == pytest.approx(surface.V[:, 2].max())
+
+
+def test_cells_are_taken_from_slits_thinner_than_they_are() -> None:
+    """A notch as wide as a quarter of a cell, which has all centres beside it inside."""
+    block = trimesh.creation.box(bounds=[[0, 0, 0], [1, 1, 0.5]])
+    notch = inside_out(trimesh.creation.box(bounds=[[0.39, 0, 0.2], [0.42, 0.8, 0.5]]))
+    surface = surface_of(trimesh.util.concatenate([block, notch]))
+    grid = Grid(np.eye(3), (np.linspace(0, 1, 9), np.linspace(0, 1, 9), np.linspace(0, 0.5, 5)), 0.125)
+    depth = centre_depths(grid, surface)
+    assert (depth > 0.0).all()
+    cells = fitted_cells(grid, depth, depth > 0.0, surface)
+    gone = {tuple(c) for c in np.argwhere(depth > 0.0)} - {tuple(c) for c in cells}
+    assert (
+        {(3, j, k) for j in range(5) for k in (2, 3)}
+        <= gone
+        <= {(3, j, k) for j in range(8) for k in range(4)}
+    )
+
+
+def test_thin_legs_grow_from_the_body_that_they_belong_to() -> None:
+    """A body on two slanted legs, of which centres see crumbs only: no depth gives a ball."""
+    body = trimesh.creation.icosphere(3, radius=1.0)
+    V = body.vertices.copy()
+    for side in (-1.0, 1.0):
+        towards = np.array([side, 0.3, -1.0]) / np.linalg.norm([1.0, 0.3, 1.0])
+        leg = V @ towards > 0.995
+        leg[np.linalg.norm(V, axis=1) > 1.5] = False
+        V[leg] += 1.5 * towards
+    surface = surface_of(trimesh.Trimesh(V, body.faces, process=False))
+    made = grid_hexes(surface, features_of(surface), 0.25, GridOptions())
+    assert check_hexes(made.V, made.cells, surface, features_of(surface), CheckOptions()).valid
 
 
 def test_a_layer_lies_round_all_hexes() -> None:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import binary_dilation
 
-from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
+from neurframe_cli.mesh.arrays import Bools, Features, Floats, Ints, Surface
 from neurframe_cli.mesh.grid_planes import grid_planes
+from neurframe_cli.mesh.grow_cells import GrowingCells
 from neurframe_cli.mesh.hex_shell import hex_shell
 from neurframe_cli.mesh.inside import depth_in_surface
 from neurframe_cli.mesh.measure import surface_area
@@ -20,7 +22,7 @@ CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0
 PASSED_BY = 0.6
 SAMPLES_PER_FACE = 20  # of a cell, on the surface
 MOST_SAMPLES = 400_000
-ROUNDS = 3  # of adding missing cells
+ROUNDS = 5  # of adding missing cells
 TURN_GAIN = 1.05  # times as much area along the axes is worth turning the grid
 STARTS, STEPS = 12, 50  # of the search for axes
 
@@ -101,22 +103,40 @@ def centre_depths(grid: Grid, surface: Surface) -> Floats:
     return np.asarray(depth.reshape(index.shape[:-1]) / grid.edge_length)
 
 
-def with_passed_by(grid: Grid, cells: Ints, surface: Surface) -> Ints:
-    """The cells (k,3), and those at places of the surface that they pass by: tips, walls thinner than a cell."""
-    import igl
-
+def fitted_cells(grid: Grid, depth: Floats, start: Bools, surface: Surface) -> Ints:
+    """Cells (k,3) with the topology of those to `start` with (a,b,c): as many as possible with their centres inside, by
+    their `depth` (a,b,c), as few others; with those at tips and in walls that are thinner than a cell, without those in
+    such slits."""
+    growing = GrowingCells(start)
+    outside = np.argwhere(start & (depth <= 0.0))
+    growing.remove(outside, depth[tuple(outside.T)])
+    inside = np.argwhere(depth > 0.0)
+    growing.add(inside, -depth[tuple(inside.T)])
     h = grid.edge_length
     count = int(np.clip(SAMPLES_PER_FACE * surface_area(surface.V, surface.F) / h**2, 1, MOST_SAMPLES))
     P = sample_surface(surface, count, np.random.default_rng(0))
-    for _ in range(ROUNDS):
-        V, H = hexes_of(grid, cells)
-        squared = igl.point_mesh_squared_distance(P, V, triangulated(hex_shell(H).quads))[0]
-        far = np.asarray(squared) > (PASSED_BY * h) ** 2
-        more = np.unique(np.concatenate([cells, grid.cells_at(P[far])]), axis=0)
-        if len(more) == len(cells):
+    crossed = np.zeros(depth.shape, bool)
+    crossed[tuple(grid.cells_at(P).T)] = True
+    for number in range(ROUNDS):
+        far = P[_distances(P, *hexes_of(grid, growing.cells)) > PASSED_BY * h]
+        passed_by = np.zeros(depth.shape, bool)
+        passed_by[tuple(grid.cells_at(far).T)] = True
+        thin, slits = passed_by & ~growing.inside, passed_by & growing.inside
+        if number > 0:  # cells between these and the others, too
+            thin, slits = binary_dilation(thin) & crossed, binary_dilation(slits) & crossed
+        more, fewer = np.argwhere(thin), np.argwhere(slits)
+        changed = growing.add(more, -depth[tuple(more.T)]) + growing.remove(fewer, depth[tuple(fewer.T)])
+        if changed == 0 and number > 0:
             break
-        cells = more
-    return cells
+    return growing.cells
+
+
+def _distances(P: Floats, V: Floats, H: Ints) -> Floats:
+    """Of points P (k,3) from the shell of hexes H (h,8)."""
+    import igl
+
+    squared = igl.point_mesh_squared_distance(P, V, triangulated(hex_shell(H).quads))[0]
+    return np.asarray(np.sqrt(np.asarray(squared)))
 
 
 def hexes_of(grid: Grid, cells: Ints) -> tuple[Floats, Ints]:

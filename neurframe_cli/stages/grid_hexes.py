@@ -10,22 +10,23 @@ are relaxed first, so that the barrier holds all the way.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from neurframe_cli.errors import NotValid
-from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part, silent
+from neurframe_cli.mesh.arrays import Bools, Features, Floats, Ints, Progress, Surface, part, silent
 from neurframe_cli.mesh.followed_features import followed_features
 from neurframe_cli.mesh.grid_cells import (
     Grid,
     area_axes,
     centre_depths,
+    fitted_cells,
     grid_over,
     hexes_of,
     split_at,
-    with_passed_by,
 )
 from neurframe_cli.mesh.hex_shell import hex_shell
 from neurframe_cli.mesh.measure import box_diagonal
@@ -34,6 +35,7 @@ from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
 from neurframe_cli.mesh.optimize.soft_constraints import BAD
 from neurframe_cli.mesh.pinches import has_topology_of, separate_pinches
 from neurframe_cli.mesh.quality.check import CheckOptions, check_hexes
+from neurframe_cli.mesh.quality.polygons import topology
 from neurframe_cli.stages.finish_hexes import POOR
 from neurframe_cli.stages.pad_hexes import pillow_hexes
 from neurframe_cli.stages.smooth_hexes import HEX_OPTIONS, smooth_hexes
@@ -43,6 +45,7 @@ MOST_HEXES = 100_000  # of a finer grid than was asked for
 MOST_CELLS = 20_000_000  # of a grid, inside and outside
 # how deep the centre of a cell lies at least, in its edges; the first that gives the topology of the surface is taken
 DEPTHS = (0.0, -0.1, 0.1, -0.2, 0.2, -0.3, 0.3, -0.4, -0.5, -0.6)
+BALL = (1, 2)  # components, Euler characteristic
 LEAST_GAIN = 3e-5  # of a corner in a round; few hexes are poor, and the mean gains little with them
 SPLITS = 2  # of the cells in places where the hexes are too far from the surface
 MOST_GROWTH = 2.5  # times as many cells for that; beyond, a finer grid is as good
@@ -210,21 +213,23 @@ def _on_surface(
 def _layered(grid: Grid, depth: Floats, surface: Surface) -> tuple[Floats, Ints]:
     """V (n,3) and H (h,8): cells of the grid, whose centres are at that `depth` (a,b,c), that have the topology of the
     surface, and a layer round them.  Raises NotValid where no choice of cells has it."""
-    for least in DEPTHS:
-        cells = np.argwhere(depth > least)
-        found = _whole(grid, cells, surface)
-        if found is not None:
-            complete = _whole(grid, with_passed_by(grid, cells, surface), surface)
-            return pillow_hexes(*(complete or found))
+    starts = list(_starts(depth, surface))
+    for start in starts:
+        if has_topology_of(hexes_of(grid, np.argwhere(start))[1], surface):
+            return pillow_hexes(*hexes_of(grid, fitted_cells(grid, depth, start, surface)))
+    for start in starts:
+        V, H = separate_pinches(*hexes_of(grid, np.argwhere(start)))
+        if has_topology_of(H, surface):
+            return pillow_hexes(V, H)
     raise NotValid("cells with another topology than the surface")
 
 
-def _whole(grid: Grid, cells: Ints, surface: Surface) -> tuple[Floats, Ints] | None:
-    """V (n,3) and H (k,8) of the cells (k,3), taken apart where only that gives them the topology of the surface; None
-    where it does not."""
-    if len(cells) == 0:
-        return None
-    V, H = hexes_of(grid, cells)
-    if not has_topology_of(H, surface):
-        V, H = separate_pinches(V, H)
-    return (V, H) if has_topology_of(H, surface) else None
+def _starts(depth: Floats, surface: Surface) -> Iterator[Bools]:
+    """Choices of cells (a,b,c) that may have the topology of the surface: all that are so deep; for a ball, a cell."""
+    for least in DEPTHS:
+        if (depth > least).any():
+            yield depth > least
+    if topology(surface.F) == BALL:
+        deepest = np.zeros(depth.shape, bool)
+        deepest.flat[depth.argmax()] = True
+        yield deepest
