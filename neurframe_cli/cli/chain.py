@@ -211,6 +211,14 @@ def summary(stage: str, report: Mapping[str, Any]) -> list[str]:
             f"normals off by {report['normal_deg_mean']:.2f} degrees (mean), {report['normal_deg_max']:.1f} (worst)",
             f"crosses on {report['surface']}",
         ]
+    if stage == "distill":
+        before, after = report["before"], report["after"]
+        return [
+            f"frames off those of the map by {after['mean_deg']:.2f} degrees (mean), {after['p95_deg']:.1f} (95th "
+            f"percentile); before by {before['mean_deg']:.2f} and {before['p95_deg']:.1f}",
+            f"{100 * after['same_matchings']:.2f} % of the faces have the map's matching; before "
+            f"{100 * before['same_matchings']:.2f} %",
+        ]
     if stage in ("quad", "hex"):
         mesh = report["mesh"]
         return [

@@ -33,6 +33,7 @@ COMMANDS = {
     "streamlines": "Curves along the axes of the continuous field.",
     "quad": "Quad mesh from the crosses: integer-grid map, extraction, smoothing, check.",
     "hex": "Hex mesh from the frames: integer-grid map, extraction, smoothing, check.",
+    "distill": "The field of the hexes' map, as a network to be asked anywhere.",
     "check": "Validity and quality of a quad or hex mesh against its input.",
     "report": "What happened in a workspace, as one HTML file.",
     "view": "A workspace or a mesh in the browser, with an interactive 3D view.",

@@ -42,6 +42,15 @@ seed_option = click.option(
 )
 
 
+device_option = click.option(
+    "--device",
+    type=click.Choice(["auto", "cpu", "cuda"]),
+    default="auto",
+    show_default=True,
+    help="auto: the GPU if there is one.",
+)
+
+
 def options(*decorators: Callable[[Command], Command]) -> Callable[[Command], Command]:
     """Several option decorators as one, in the order in which the help shows them."""
 
@@ -158,13 +167,7 @@ train_options = options(
     click.option(
         "--sigma", type=FiniteRange(0), default=10.0, show_default=True, help="Decay away from features."
     ),
-    click.option(
-        "--device",
-        type=click.Choice(["auto", "cpu", "cuda"]),
-        default="auto",
-        show_default=True,
-        help="auto: the GPU if there is one.",
-    ),
+    device_option,
     click.option(
         "--precision",
         type=click.Choice(["auto", "fp32", "tf32", "bf16"]),

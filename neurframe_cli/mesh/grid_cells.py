@@ -103,32 +103,56 @@ def centre_depths(grid: Grid, surface: Surface) -> Floats:
     return np.asarray(depth.reshape(index.shape[:-1]) / grid.edge_length)
 
 
-def fitted_cells(grid: Grid, depth: Floats, start: Bools, surface: Surface) -> Ints:
-    """Cells (k,3) with the topology of those to `start` with (a,b,c): as many as possible with their centres inside, by
-    their `depth` (a,b,c), as few others; with those at tips and in walls that are thinner than a cell, without those in
-    such slits."""
+class CellFit:
+    """How well cells of a grid, whose centres are at that `depth` (a,b,c), fill the solid in a surface."""
+
+    def __init__(self, grid: Grid, depth: Floats, surface: Surface) -> None:
+        self.grid, self.depth = grid, depth
+        h = grid.edge_length
+        count = SAMPLES_PER_FACE * surface_area(surface.V, surface.F) / h**2
+        self.samples = sample_surface(surface, int(np.clip(count, 1, MOST_SAMPLES)), np.random.default_rng(0))
+        self.crossed = self._cells_at(self.samples)
+
+    def passed_by(self, V: Floats, H: Ints) -> Bools:
+        """The cells (a,b,c) with places of the surface that the shell of hexes H (h,8) leaves far away."""
+        far = _distances(self.samples, V, H) > PASSED_BY * self.grid.edge_length
+        return self._cells_at(self.samples[far])
+
+    def _cells_at(self, points: Floats) -> Bools:
+        found = np.zeros(self.depth.shape, bool)
+        found[tuple(self.grid.cells_at(points).T)] = True
+        return found
+
+
+def filled_cells(fit: CellFit, start: Bools) -> Bools:
+    """Cells (a,b,c) with the topology of those to `start` with: as many as possible with their centres inside, as few
+    others.
+
+    The front of those inside advances evenly: the deepest first would leave more of them behind, walled in (bunny: 44
+    instead of 12 of 10,378).
+    """
     growing = GrowingCells(start)
-    outside = np.argwhere(start & (depth <= 0.0))
-    growing.remove(outside, depth[tuple(outside.T)])
-    inside = np.argwhere(depth > 0.0)
-    growing.add(inside, -depth[tuple(inside.T)])
-    h = grid.edge_length
-    count = int(np.clip(SAMPLES_PER_FACE * surface_area(surface.V, surface.F) / h**2, 1, MOST_SAMPLES))
-    P = sample_surface(surface, count, np.random.default_rng(0))
-    crossed = np.zeros(depth.shape, bool)
-    crossed[tuple(grid.cells_at(P).T)] = True
+    outside = np.argwhere(start & (fit.depth <= 0.0))
+    growing.remove(outside, fit.depth[tuple(outside.T)])
+    inside = np.argwhere(fit.depth > 0.0)
+    growing.add(inside, np.zeros(len(inside)))
+    return growing.inside
+
+
+def completed_cells(fit: CellFit, start: Bools) -> Bools:
+    """Cells (a,b,c) with the topology of those to `start` with: these, and others at tips and in walls that are thinner
+    than a cell, without those in such slits."""
+    growing, depth = GrowingCells(start), fit.depth
     for number in range(ROUNDS):
-        far = P[_distances(P, *hexes_of(grid, growing.cells)) > PASSED_BY * h]
-        passed_by = np.zeros(depth.shape, bool)
-        passed_by[tuple(grid.cells_at(far).T)] = True
+        passed_by = fit.passed_by(*hexes_of(fit.grid, growing.cells))
         thin, slits = passed_by & ~growing.inside, passed_by & growing.inside
         if number > 0:  # cells between these and the others, too
-            thin, slits = binary_dilation(thin) & crossed, binary_dilation(slits) & crossed
+            thin, slits = binary_dilation(thin) & fit.crossed, binary_dilation(slits) & fit.crossed
         more, fewer = np.argwhere(thin), np.argwhere(slits)
         changed = growing.add(more, -depth[tuple(more.T)]) + growing.remove(fewer, depth[tuple(fewer.T)])
         if changed == 0 and number > 0:
             break
-    return growing.cells
+    return growing.inside
 
 
 def _distances(P: Floats, V: Floats, H: Ints) -> Floats:

@@ -63,7 +63,8 @@ class GrowingCells:
         return np.argwhere(self.inside)
 
     def add(self, cells: Ints, order: Floats) -> int:
-        """Those of the cells (k,3) that can be added, the least `order` (k,) first; how many these were."""
+        """Those of the cells (k,3) that can be added, the least `order` (k,) first, and of equal ones those whose
+        neighbours came first; how many these were."""
         return self._change(cells, order, True)
 
     def remove(self, cells: Ints, order: Floats) -> int:
@@ -74,18 +75,19 @@ class GrowingCells:
         waiting: dict[Place, float] = {
             (i, j, k): rank for (i, j, k), rank in zip((cells + 1).tolist(), order.tolist(), strict=True)
         }
-        queue = [(rank, cell) for cell, rank in waiting.items() if bool(self.padded[cell]) != inside]
+        queue = [(rank, n, cell) for n, (cell, rank) in enumerate(waiting.items())]
         heapq.heapify(queue)
-        changed = 0
+        changed, pushed = 0, len(queue)
         while queue:
-            _, cell = heapq.heappop(queue)
+            _, _, cell = heapq.heappop(queue)
             if bool(self.padded[cell]) == inside or not self._meets_in_disk(cell, inside):
                 continue
             self.padded[cell] = inside
             changed += 1
             for near in self._around(cell):
                 if near in waiting and bool(self.padded[near]) != inside:
-                    heapq.heappush(queue, (waiting[near], near))
+                    heapq.heappush(queue, (waiting[near], pushed, near))
+                    pushed += 1
         return changed
 
     def _meets_in_disk(self, cell: Place, others: bool) -> bool:

@@ -19,7 +19,7 @@ from neurframe_cli.report.mesh_quality import cell_quality, describe_quality
 
 FORMAT, VERSION = "neurframe-report", 1
 # the order of the pipeline; the manifest's own is alphabetical
-STAGES = ("tetize", "train", "discretize", "points", "singularities", "streamlines", "quad", "hex")
+STAGES = ("tetize", "train", "discretize", "points", "singularities", "streamlines", "quad", "hex", "distill")
 # the files by their names: to import the stages that write them is to import torch
 SURFACE, TRAIN_LOG = "surface.ply", "train.jsonl"
 MESH_FILES = {"quad": "quad.obj", "hex": "hex.vtk"}

@@ -20,10 +20,12 @@ from neurframe_cli.errors import NotValid
 from neurframe_cli.mesh.arrays import Bools, Features, Floats, Ints, Progress, Surface, part, silent
 from neurframe_cli.mesh.followed_features import followed_features
 from neurframe_cli.mesh.grid_cells import (
+    CellFit,
     Grid,
     area_axes,
     centre_depths,
-    fitted_cells,
+    completed_cells,
+    filled_cells,
     grid_over,
     hexes_of,
     split_at,
@@ -45,6 +47,8 @@ MOST_HEXES = 100_000  # of a finer grid than was asked for
 MOST_CELLS = 20_000_000  # of a grid, inside and outside
 # how deep the centre of a cell lies at least, in its edges; the first that gives the topology of the surface is taken
 DEPTHS = (0.0, -0.1, 0.1, -0.2, 0.2, -0.3, 0.3, -0.4, -0.5, -0.6)
+# times as many places passed by; more are not worth the dents of cells that grow one by one
+FEWER = 0.5
 BALL = (1, 2)  # components, Euler characteristic
 LEAST_GAIN = 3e-5  # of a corner in a round; few hexes are poor, and the mean gains little with them
 SPLITS = 2  # of the cells in places where the hexes are too far from the surface
@@ -212,16 +216,40 @@ def _on_surface(
 
 def _layered(grid: Grid, depth: Floats, surface: Surface) -> tuple[Floats, Ints]:
     """V (n,3) and H (h,8): cells of the grid, whose centres are at that `depth` (a,b,c), that have the topology of the
-    surface, and a layer round them.  Raises NotValid where no choice of cells has it."""
+    surface, and a layer round them.  Raises NotValid where no choice of cells has it.
+
+    Cells of one depth have no dents.  Where they leave much of the surface aside, thin parts above all, those are taken
+    that grow cell by cell.
+    """
+    fit = CellFit(grid, depth, surface)
     starts = list(_starts(depth, surface))
+    choices = (_of_one_depth(fit, starts, surface), _grown(fit, starts, surface))
+    found = [(int(fit.passed_by(*hexes).sum()), hexes) for hexes in choices if hexes is not None]
+    if not found:
+        raise NotValid("cells with another topology than the surface")
+    simpler, grown = found[0], found[-1]
+    return pillow_hexes(*(grown if grown[0] < FEWER * simpler[0] else simpler)[1])
+
+
+def _of_one_depth(fit: CellFit, starts: list[Bools], surface: Surface) -> tuple[Floats, Ints] | None:
+    """V and H of the first of the `starts` that has the topology of the surface, or has it without its pinches."""
     for start in starts:
-        if has_topology_of(hexes_of(grid, np.argwhere(start))[1], surface):
-            return pillow_hexes(*hexes_of(grid, fitted_cells(grid, depth, start, surface)))
-    for start in starts:
-        V, H = separate_pinches(*hexes_of(grid, np.argwhere(start)))
+        V, H = hexes_of(fit.grid, np.argwhere(start))
         if has_topology_of(H, surface):
-            return pillow_hexes(V, H)
-    raise NotValid("cells with another topology than the surface")
+            return hexes_of(fit.grid, np.argwhere(completed_cells(fit, start)))
+        V, H = separate_pinches(V, H)
+        if has_topology_of(H, surface):
+            return V, H
+    return None
+
+
+def _grown(fit: CellFit, starts: list[Bools], surface: Surface) -> tuple[Floats, Ints] | None:
+    """V and H of cells that grow from the first of the `starts` with the topology of the surface."""
+    for start in starts:
+        if has_topology_of(hexes_of(fit.grid, np.argwhere(start))[1], surface):
+            inside = completed_cells(fit, filled_cells(fit, start))
+            return hexes_of(fit.grid, np.argwhere(inside))
+    return None
 
 
 def _starts(depth: Floats, surface: Surface) -> Iterator[Bools]:

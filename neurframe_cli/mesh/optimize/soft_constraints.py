@@ -75,5 +75,5 @@ class SoftConstraints:
         return float(self.probe.measure(x).by_face.max())
 
     def _excess(self, x: Floats) -> float:
-        """Of the faces over the limit, in limits."""
-        return float(np.maximum(self.probe.measure(x).by_face / self.limit - 1.0, 0.0).sum())
+        """Distance of all faces beyond the limit, in units of the mesh."""
+        return float(np.maximum(self.probe.measure(x).by_face - self.limit, 0.0).sum())
