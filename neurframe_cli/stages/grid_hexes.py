@@ -38,7 +38,6 @@ from neurframe_cli.mesh.optimize.soft_constraints import BAD
 from neurframe_cli.mesh.pinches import has_topology_of, separate_pinches
 from neurframe_cli.mesh.quality.check import CheckOptions, check_hexes
 from neurframe_cli.mesh.quality.polygons import topology
-from neurframe_cli.stages.finish_hexes import POOR
 from neurframe_cli.stages.pad_hexes import pillow_hexes
 from neurframe_cli.stages.smooth_hexes import HEX_OPTIONS, smooth_hexes
 
@@ -54,7 +53,6 @@ LEAST_GAIN = 3e-5  # of a corner in a round; few hexes are poor, and the mean ga
 SPLITS = 2  # of the cells in places where the hexes are too far from the surface
 MOST_GROWTH = 2.5  # times as many cells for that; beyond, a finer grid is as good
 HALVED = 4.0  # limits of the distance, which edges half as long bring down by so much at best
-HOPELESS = 2.0  # limits of the distance; where a finer grid is expected to be farther away it is left out
 MARGIN = 0.9  # of the limit that a mesh has to keep: a staircase bends many quads, which samples do not see as they are
 
 
@@ -68,7 +66,6 @@ class GridOptions:
             improve=replace(HEX_OPTIONS.improve, gain=LEAST_GAIN),
             hausdorff_limit=MARGIN * HEX_OPTIONS.hausdorff_limit,
             soft_first=True,
-            release=POOR,
         )
     )
     check: CheckOptions = field(default_factory=CheckOptions)
@@ -103,8 +100,6 @@ def grid_hexes(
     axes = area_axes(surface)
     trials = _Trials(surface, features, options)
     for number, finer in enumerate(FINER):
-        if trials.tried and _too_coarse(trials.tried[-1], finer, options.check.hausdorff_limit):
-            continue
         steps = part(progress, number / len(FINER), (number + 1) / len(FINER))
         grid: Grid | None = grid_over(surface, features, axes, edge_length / finer)
         for split in range(SPLITS + 1):
@@ -177,15 +172,6 @@ def far_places(V: Floats, quads: Ints, surface: Surface, options: SmoothOptions)
     limit = options.hausdorff_limit * box_diagonal(surface.V[np.unique(surface.F)])
     back = distances.back.reshape(2, -1).max(axis=0)  # for one diagonal and the other
     return np.concatenate([probe.points[back > limit], V[quads[distances.there > limit]].mean(axis=1)])
-
-
-def _too_coarse(last: dict[str, Any], finer: float, limit: float) -> bool:
-    """Whether a grid so much finer will be too far away as well: the distance shrinks at best like the square of the
-    edges, as that of chords does.  The last two are tried all the same."""
-    if "smoothing" not in last or finer in FINER[-2:]:
-        return False
-    expected: float = last["smoothing"]["after"]["hausdorff"] * (last["finer"] / finer) ** 2
-    return expected > HOPELESS * limit
 
 
 def _on_surface(

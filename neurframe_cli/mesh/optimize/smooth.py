@@ -23,6 +23,8 @@ from neurframe_cli.mesh.quality.polygons import unique_edges
 
 WORTH, SHARE = 0.2, 0.6  # scaled Jacobian, and share of the worst one, that a hex keeps while vertices settle
 RINGS = 3  # of hexes whose features let go
+ABOUT = 1.05  # times the limit of the distance, for much better hexes
+POOREST = (0.08, 0.12, 0.16, 0.2)  # scaled Jacobians of hexes that features let go of, one after the other
 PASSED_BY = (
     0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
 )
@@ -33,15 +35,14 @@ class SmoothOptions:
     """hausdorff_limit, in bounding-box diagonals of the input: the distance of a boundary face may grow up to it, and
     not at all beyond; reach_limit, likewise: quads that leave places of the surface farther away are moved to them;
     mend_limit, likewise: how far faces may get for the sake of poor quads; soft_first: hexes that are away from the
-    surface all over are drawn to it by the soft constraints before anything else; release: the scaled Jacobian of
-    hexes at which features let go of them; samples on the surface for distances, seed for their places."""
+    surface all over are drawn to it by the soft constraints before anything else; samples on the surface for distances,
+    seed for their places."""
 
     improve: ImproveOptions = field(default_factory=ImproveOptions)
     hausdorff_limit: float = 0.01
     reach_limit: float = 0.004
     mend_limit: float = 0.005
     soft_first: bool = False
-    release: float = BAD
     samples: int = 10_000
     seed: int = 0
 
@@ -120,7 +121,10 @@ def smooth_cells(
         final = soft.nearer(final)
         if not voids:  # their boundary is pinned, too, and must stay
             last = part(progress, 1.0, 1.0)
-            final, released = _let_go(improver, final, probe, limit, surface, options.release, last)
+            if options.soft_first:
+                final, released = _drawn_anew(improver, final, probe, limit, surface, last)
+            else:
+                final, released = _let_go(improver, final, probe, limit, surface, last)
             final = _settled(improver, final, probe, limit)
     held_back = int((final.state.x != improved.x).any(axis=1).sum())
     if normals is not None:
@@ -151,20 +155,19 @@ def _let_go(
     probe: DistanceProbe,
     limit: float,
     surface: Surface,
-    least: float,
     progress: Progress,
 ) -> tuple[Placed, int]:
-    """Hexes better than `least`, where letting go of features in the poor ones makes them so, or round those that stay
-    poor in as many rings of hexes as needed; with the number of vertices let go."""
+    """Hexes that are not bad, where letting go of features in the bad ones makes them so, or round those that stay bad
+    in as many rings of hexes as needed; with the number of vertices let go."""
     held = improver.constraints.kind >= ON_CURVE
     chosen, freed = np.zeros(len(improver.cells), bool), 0
     for rings in range(RINGS):
-        poor = np.asarray(placed.state.quality <= least)
-        if not poor.any():
+        bad = np.asarray(placed.state.quality <= BAD)
+        if not bad.any():
             break
         for _ in range(rings):
-            poor = np.asarray(np.isin(improver.cells, improver.cells[poor]).any(axis=1))
-        chosen |= poor
+            bad = np.asarray(np.isin(improver.cells, improver.cells[bad]).any(axis=1))
+        chosen |= bad
         count = int(held[np.unique(improver.cells[chosen])].sum())
         if count == freed:
             continue
@@ -172,6 +175,39 @@ def _let_go(
         free = improver.constrained(let_go(improver.constraints, surface, improver.cells[chosen]))
         improved = free.run(placed.state, placed.state.x, progress)[0]
         placed = _within(free, placed, improved, probe, limit)
+    return placed, freed
+
+
+def _drawn_anew(
+    improver: Improver,
+    placed: Placed,
+    probe: DistanceProbe,
+    limit: float,
+    surface: Surface,
+    progress: Progress,
+) -> tuple[Placed, int]:
+    """The same for hexes that soft constraints have drawn to the surface: they are drawn to it anew, from where they
+    are, features having let go of the poorest hexes, then of less poor ones, as long as that makes the poorest better
+    and leaves no place too far away."""
+    held = improver.constraints.kind >= ON_CURVE
+    chosen, freed = np.zeros(len(improver.cells), bool), 0
+    for least in POOREST:
+        poor = np.asarray(placed.state.quality <= least)
+        if not poor.any():
+            continue
+        loose = chosen | poor
+        free = improver.constrained(let_go(improver.constraints, surface, improver.cells[loose]))
+        x = placed.state.x
+        drawn = SoftConstraints(free, x, x, probe, limit, sliding=True).untangled()
+        if drawn is None:
+            break
+        drawn = _within(free, drawn, free.run(drawn.state, drawn.state.x, progress)[0], probe, limit)
+        away = float(drawn.distances.by_face.max())
+        better = drawn.state.quality.min() > placed.state.quality.min()
+        if not better or away > max(ABOUT * limit, float(placed.distances.by_face.max())):
+            break
+        placed, chosen = drawn, loose
+        freed = int(held[np.unique(improver.cells[chosen])].sum())
     return placed, freed
 
 
