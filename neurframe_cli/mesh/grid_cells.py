@@ -22,6 +22,7 @@ CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0
 PASSED_BY = 0.6
 SAMPLES_PER_FACE = 20  # of a cell, on the surface
 MOST_SAMPLES = 400_000
+AT_ONCE = 3  # rounds of adding all missing cells
 ROUNDS = 5  # of adding missing cells
 TURN_GAIN = 1.05  # times as much area along the axes is worth turning the grid
 STARTS, STEPS = 12, 50  # of the search for axes
@@ -122,6 +123,18 @@ class CellFit:
         found = np.zeros(self.depth.shape, bool)
         found[tuple(self.grid.cells_at(points).T)] = True
         return found
+
+
+def with_passed_by(fit: CellFit, start: Bools) -> Bools:
+    """Cells (a,b,c): those to `start` with, and all at places of the surface that these pass by, whatever their
+    topology."""
+    inside = start
+    for _ in range(AT_ONCE):
+        more = inside | fit.passed_by(*hexes_of(fit.grid, np.argwhere(inside)))
+        if (more == inside).all():
+            break
+        inside = more
+    return inside
 
 
 def filled_cells(fit: CellFit, start: Bools) -> Bools:

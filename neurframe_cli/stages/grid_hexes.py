@@ -10,46 +10,30 @@ are relaxed first, so that the barrier holds all the way.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from neurframe_cli.errors import NotValid
-from neurframe_cli.mesh.arrays import Bools, Features, Floats, Ints, Progress, Surface, part, silent
+from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part, silent
+from neurframe_cli.mesh.cell_choices import cell_choices
 from neurframe_cli.mesh.followed_features import followed_features
-from neurframe_cli.mesh.grid_cells import (
-    CellFit,
-    Grid,
-    area_axes,
-    centre_depths,
-    completed_cells,
-    filled_cells,
-    grid_over,
-    hexes_of,
-    split_at,
-)
+from neurframe_cli.mesh.grid_cells import Grid, area_axes, centre_depths, grid_over, split_at
 from neurframe_cli.mesh.hex_shell import hex_shell
 from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.mesh.optimize.distance_probe import BothDiagonals
 from neurframe_cli.mesh.optimize.smooth import SmoothedMesh, SmoothOptions
 from neurframe_cli.mesh.optimize.soft_constraints import BAD
-from neurframe_cli.mesh.pinches import has_topology_of, separate_pinches
 from neurframe_cli.mesh.quality.check import CheckOptions, check_hexes
-from neurframe_cli.mesh.quality.polygons import topology
 from neurframe_cli.stages.pad_hexes import pillow_hexes
 from neurframe_cli.stages.smooth_hexes import HEX_OPTIONS, smooth_hexes
 
 FINER = (1.0, 1.5, 2.0, 3.0, 4.0)  # times as many cells along each edge as asked for
 MOST_HEXES = 100_000  # of a finer grid than was asked for
 MOST_CELLS = 20_000_000  # of a grid, inside and outside
-# how deep the centre of a cell lies at least, in its edges; the first that gives the topology of the surface is taken
-DEPTHS = (0.0, -0.1, 0.1, -0.2, 0.2, -0.3, 0.3, -0.4, -0.5, -0.6)
-# times as many places passed by; more are not worth the dents of cells that grow one by one
-FEWER = 0.5
-BALL = (1, 2)  # components, Euler characteristic
 LEAST_GAIN = 3e-5  # of a corner in a round; few hexes are poor, and the mean gains little with them
+SEVERAL_CHOICES = 2.0  # times finer; beyond, only the first choice of cells is tried
 SPLITS = 2  # of the cells in places where the hexes are too far from the surface
 MOST_GROWTH = 2.5  # times as many cells for that; beyond, a finer grid is as good
 HALVED = 4.0  # limits of the distance, which edges half as long bring down by so much at best
@@ -121,17 +105,32 @@ class _Trials:
         self.found: GridHexes | None = None
 
     def attempt(self, grid: Grid, finer: float, split: int, progress: Progress) -> Grid | None:
-        """Smooth and judge the hexes of a grid; where nothing but a few places are too far from the surface, the grid
-        that is finer there."""
-        surface, options = self.surface, self.options
+        """Smooth and judge the hexes of a grid, for each choice of its cells until one passes; where nothing but a few
+        places are too far from the surface, the grid that is finer there."""
         try:
-            smoothed, H = _on_surface(
-                grid, surface, self.features, options.smoothing, finer > 1.0 or split > 0, progress
-            )
+            choices = _choices(grid, self.surface, finer > 1.0 or split > 0)
         except NotValid as error:
             self.tried.append({"finer": finer, "split": split, "refused": str(error)})
             return None
-        verdict = check_hexes(smoothed.V, H, surface, self.features, options.check)
+        sound: list[tuple[SmoothedMesh, Ints]] = []
+        if split or finer > SEVERAL_CHOICES:
+            choices = choices[:1]
+        for number, hexes in enumerate(choices):
+            steps = part(progress, number / len(choices), (number + 1) / len(choices))
+            smoothed, H = _on_surface(
+                *hexes, grid, self.surface, self.features, self.options.smoothing, steps
+            )
+            if self._passes(smoothed, H, finer, split):
+                return None
+            if not smoothed.report.after.inverted:
+                sound.append((smoothed, H))
+        if not sound:
+            return None
+        return self._finer_where_far(grid, *min(sound, key=lambda made: made[0].report.after.hausdorff))
+
+    def _passes(self, smoothed: SmoothedMesh, H: Ints, finer: float, split: int) -> bool:
+        """Whether the hexes pass; kept if they are the best so far."""
+        verdict = check_hexes(smoothed.V, H, self.surface, self.features, self.options.check)
         refused = None if verdict.valid else ", ".join(verdict.problems)
         smoothing = asdict(smoothed.report)
         self.tried.append(
@@ -139,12 +138,9 @@ class _Trials:
         )
         worst = smoothed.report.after.min_scaled_jacobian
         if verdict.valid and (self.found is None or worst > self.found.worst):
-            self.found = GridHexes(
-                smoothed.V, H, worst, finer, split, {"smoothing": smoothing, "grid": self.tried}
-            )
-        if verdict.valid or smoothed.report.after.inverted:
-            return None
-        return self._finer_where_far(grid, smoothed, H)
+            report = {"smoothing": smoothing, "grid": self.tried}
+            self.found = GridHexes(smoothed.V, H, worst, finer, split, report)
+        return verdict.valid
 
     def _finer_where_far(self, grid: Grid, smoothed: SmoothedMesh, H: Ints) -> Grid | None:
         """The grid with more planes where the hexes are too far from the surface; None where that is everywhere, or
@@ -174,76 +170,34 @@ def far_places(V: Floats, quads: Ints, surface: Surface, options: SmoothOptions)
     return np.concatenate([probe.points[back > limit], V[quads[distances.there > limit]].mean(axis=1)])
 
 
-def _on_surface(
-    grid: Grid,
-    surface: Surface,
-    features: Features,
-    smoothing: SmoothOptions,
-    bounded: bool,
-    progress: Progress,
-) -> tuple[SmoothedMesh, Ints]:
-    """The cells of the grid in the solid, with a layer round them that lies on the surface.
+def _choices(grid: Grid, surface: Surface, bounded: bool) -> list[tuple[Floats, Ints]]:
+    """V (n,3) and H (h,8) of cells of the grid that have the topology of the surface, a layer round them.
 
-    Raises NotValid where there are none with the topology of the surface, or more than can be smoothed in minutes if
-    `bounded`.
+    Raises NotValid where there are none, or more than can be smoothed in minutes if `bounded`.
     """
-    progress(0.0, f"grid of {' x '.join(map(str, grid.counts))} cells")
     if math.prod(grid.counts.tolist()) > MOST_CELLS:
         raise NotValid(f"a grid of more than {MOST_CELLS:,} cells")
     depth = centre_depths(grid, surface)
     if bounded and np.count_nonzero(depth > 0.0) > MOST_HEXES:
         raise NotValid(f"more than {MOST_HEXES:,} hexes")
-    V, H = _layered(grid, depth, surface)
-    if bounded and len(H) > MOST_HEXES:
+    choices = [pillow_hexes(*hexes) for hexes in cell_choices(grid, depth, surface)]
+    if not choices:
+        raise NotValid("cells with another topology than the surface")
+    if bounded and len(choices[0][1]) > MOST_HEXES:
         raise NotValid(f"more than {MOST_HEXES:,} hexes")
+    return choices
+
+
+def _on_surface(
+    V: Floats,
+    H: Ints,
+    grid: Grid,
+    surface: Surface,
+    features: Features,
+    smoothing: SmoothOptions,
+    progress: Progress,
+) -> tuple[SmoothedMesh, Ints]:
+    """The hexes H (h,8) over V (n,3), smoothed until their layer lies on the surface."""
+    progress(0.0, f"grid of {' x '.join(map(str, grid.counts))} cells")
     followed = followed_features(surface, features, grid.edge_length)
     return smooth_hexes(V, H, surface, followed, smoothing, part(progress, 0.1, 0.9), voids=False), H
-
-
-def _layered(grid: Grid, depth: Floats, surface: Surface) -> tuple[Floats, Ints]:
-    """V (n,3) and H (h,8): cells of the grid, whose centres are at that `depth` (a,b,c), that have the topology of the
-    surface, and a layer round them.  Raises NotValid where no choice of cells has it.
-
-    Cells of one depth have no dents.  Where they leave much of the surface aside, thin parts above all, those are taken
-    that grow cell by cell.
-    """
-    fit = CellFit(grid, depth, surface)
-    starts = list(_starts(depth, surface))
-    choices = (_of_one_depth(fit, starts, surface), _grown(fit, starts, surface))
-    found = [(int(fit.passed_by(*hexes).sum()), hexes) for hexes in choices if hexes is not None]
-    if not found:
-        raise NotValid("cells with another topology than the surface")
-    simpler, grown = found[0], found[-1]
-    return pillow_hexes(*(grown if grown[0] < FEWER * simpler[0] else simpler)[1])
-
-
-def _of_one_depth(fit: CellFit, starts: list[Bools], surface: Surface) -> tuple[Floats, Ints] | None:
-    """V and H of the first of the `starts` that has the topology of the surface, or has it without its pinches."""
-    for start in starts:
-        V, H = hexes_of(fit.grid, np.argwhere(start))
-        if has_topology_of(H, surface):
-            return hexes_of(fit.grid, np.argwhere(completed_cells(fit, start)))
-        V, H = separate_pinches(V, H)
-        if has_topology_of(H, surface):
-            return V, H
-    return None
-
-
-def _grown(fit: CellFit, starts: list[Bools], surface: Surface) -> tuple[Floats, Ints] | None:
-    """V and H of cells that grow from the first of the `starts` with the topology of the surface."""
-    for start in starts:
-        if has_topology_of(hexes_of(fit.grid, np.argwhere(start))[1], surface):
-            inside = completed_cells(fit, filled_cells(fit, start))
-            return hexes_of(fit.grid, np.argwhere(inside))
-    return None
-
-
-def _starts(depth: Floats, surface: Surface) -> Iterator[Bools]:
-    """Choices of cells (a,b,c) that may have the topology of the surface: all that are so deep; for a ball, a cell."""
-    for least in DEPTHS:
-        if (depth > least).any():
-            yield depth > least
-    if topology(surface.F) == BALL:
-        deepest = np.zeros(depth.shape, bool)
-        deepest.flat[depth.argmax()] = True
-        yield deepest

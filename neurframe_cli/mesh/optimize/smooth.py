@@ -123,8 +123,10 @@ def smooth_cells(
             last = part(progress, 1.0, 1.0)
             if options.soft_first:
                 final, released = _drawn_anew(improver, final, probe, limit, surface, last)
-            else:
-                final, released = _let_go(improver, final, probe, limit, surface, last)
+            if not options.soft_first or final.distances.by_face.max() > limit:
+                least = POOREST[-1] if options.soft_first else BAD
+                final, more = _let_go(improver, final, probe, limit, surface, least, last)
+                released = max(released, more)
             final = _settled(improver, final, probe, limit)
     held_back = int((final.state.x != improved.x).any(axis=1).sum())
     if normals is not None:
@@ -155,14 +157,15 @@ def _let_go(
     probe: DistanceProbe,
     limit: float,
     surface: Surface,
+    least: float,
     progress: Progress,
 ) -> tuple[Placed, int]:
-    """Hexes that are not bad, where letting go of features in the bad ones makes them so, or round those that stay bad
+    """Hexes better than `least`, where letting go of features in the others makes them so, or round those that stay bad
     in as many rings of hexes as needed; with the number of vertices let go."""
     held = improver.constraints.kind >= ON_CURVE
     chosen, freed = np.zeros(len(improver.cells), bool), 0
     for rings in range(RINGS):
-        bad = np.asarray(placed.state.quality <= BAD)
+        bad = np.asarray(placed.state.quality <= least)
         if not bad.any():
             break
         for _ in range(rings):
