@@ -53,7 +53,7 @@ def _complete(
 TROUBLE_PICTURE = "hex-trouble.png"
 HEX = MeshKind(
     name="hex",
-    version=5,
+    version=6,
     map_name="map.hexex",
     outputs=("hex.vtk", "hex.mesh"),
     extractor="hexex",

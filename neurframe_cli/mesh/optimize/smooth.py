@@ -24,6 +24,7 @@ from neurframe_cli.mesh.quality.polygons import unique_edges
 WORTH, SHARE = 0.2, 0.6  # scaled Jacobian, and share of the worst one, that a hex keeps while vertices settle
 RINGS = 3  # of hexes whose features let go
 ABOUT = 1.05  # times the limit of the distance, for much better hexes
+NEAR_ENOUGH = 1.2  # times the limit, for features that have let go: settling brings the mesh nearer
 POOREST = (0.08, 0.12, 0.16, 0.2)  # scaled Jacobians of hexes that features let go of, one after the other
 PASSED_BY = (
     0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
@@ -121,12 +122,8 @@ def smooth_cells(
         final = soft.nearer(final)
         if not voids:  # their boundary is pinned, too, and must stay
             last = part(progress, 1.0, 1.0)
-            if options.soft_first:
-                final, released = _drawn_anew(improver, final, probe, limit, surface, last)
-            if not options.soft_first or final.distances.by_face.max() > limit:
-                least = POOREST[-1] if options.soft_first else BAD
-                final, more = _let_go(improver, final, probe, limit, surface, least, last)
-                released = max(released, more)
+            end = _freed_of_features if options.soft_first else _let_go
+            final, released = end(improver, final, probe, limit, surface, last)
             final = _settled(improver, final, probe, limit)
     held_back = int((final.state.x != improved.x).any(axis=1).sum())
     if normals is not None:
@@ -151,14 +148,33 @@ def _loose(improver: Improver, state: State, progress: Progress) -> Floats:
     return improver.constrained(held).run(state, state.x, progress)[0].x
 
 
+def _freed_of_features(
+    improver: Improver,
+    placed: Placed,
+    probe: DistanceProbe,
+    limit: float,
+    surface: Surface,
+    progress: Progress,
+) -> tuple[Placed, int]:
+    """Hexes that soft constraints have drawn to the surface, after features have let go: of poor ones and all round
+    them, but only if that brings the mesh near enough where it was not; then of the poorest, drawn anew."""
+    released = 0
+    if placed.distances.by_face.max() > limit:
+        freed, count = _let_go(improver, placed, probe, limit, surface, progress, POOREST[-1])
+        if freed.distances.by_face.max() <= NEAR_ENOUGH * limit:
+            placed, released = freed, count
+    placed, more = _drawn_anew(improver, placed, probe, limit, surface, progress)
+    return placed, max(released, more)
+
+
 def _let_go(
     improver: Improver,
     placed: Placed,
     probe: DistanceProbe,
     limit: float,
     surface: Surface,
-    least: float,
     progress: Progress,
+    least: float = BAD,
 ) -> tuple[Placed, int]:
     """Hexes better than `least`, where letting go of features in the others makes them so, or round those that stay bad
     in as many rings of hexes as needed; with the number of vertices let go."""
