@@ -21,10 +21,8 @@ from neurframe_cli.mesh.quality.polygons import topology
 # how deep the centre of a cell lies at least, in its edges; the first that gives the topology of the surface is taken
 DEPTHS = (0.0, -0.1, 0.1, -0.2, 0.2, -0.3, 0.3, -0.4, -0.5, -0.6)
 BALL = (1, 2)  # components, Euler characteristic
-FAR_MORE, FEW = (
-    2,
-    5,
-)  # times as many cells with places passed by as the least, and so many more: no choice any more
+# a choice is none any more with so many times as many cells at places passed by as the best one has, and so many more
+FAR_MORE, FEW = 2, 5
 
 Hexes = tuple[Floats, Ints]  # V (n,3), H (h,8)
 

@@ -20,6 +20,7 @@ from neurframe_cli.mesh.tet_adjacency import TetAdjacency, tet_adjacency
 
 if TYPE_CHECKING:
     from neurframe_cli.field.field_file import Field, NeuralField
+    from neurframe_cli.field.network import FieldNetwork
     from neurframe_cli.field.recipe import Round
 
 
