@@ -160,3 +160,8 @@ def test_the_command_goes_from_a_map_with_singular_lines_to_its_field(
     frames, points = map_frames(hex_map), hex_map.V[hex_map.T].mean(axis=1)
     assert isinstance(found, NeuralField)
     assert found.query(points).shape == (len(frames), 9)
+    assert not manifest["stages"]["distill"]["warnings"]
+    manifest["stages"]["hex"]["report"]["grid"] = []  # as where a grid took the place of the map's hexes
+    (workspace / "manifest.json").write_text(json.dumps(manifest))
+    assert run_command_line([*words, "--iterations", "2"]) == 0
+    assert "are of a regular grid" in capsys.readouterr().err

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from neurframe_cli.field.octahedral_group import GROUP
+from neurframe_cli.field.octahedral_group import nearest_element
 from neurframe_cli.mesh.arrays import Floats, Ints
 from neurframe_cli.mesh.read_hex_map import HexMap
 from neurframe_cli.mesh.tet_adjacency import TetAdjacency
@@ -34,7 +34,7 @@ def map_matchings(hex_map: HexMap, adjacency: TetAdjacency) -> Ints:
     """
     charts = [_face_chart(hex_map, adjacency, side) for side in (0, 1)]
     G = np.swapaxes(charts[0], 1, 2) @ np.linalg.pinv(np.swapaxes(charts[1], 1, 2))
-    return np.asarray((np.swapaxes(G, 1, 2).reshape(-1, 9) @ GROUP.reshape(24, 9).T).argmax(axis=1))
+    return nearest_element(np.swapaxes(G, 1, 2))
 
 
 def _face_chart(hex_map: HexMap, adjacency: TetAdjacency, side: int) -> Floats:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from neurframe_cli.field.octahedral_group import GROUP, INVERSE
+from neurframe_cli.field.octahedral_group import GROUP, INVERSE, nearest_element
 from neurframe_cli.field.rotations import angle_between
 from neurframe_cli.mesh.arrays import Floats, Ints
 from neurframe_cli.mesh.tet_adjacency import TetAdjacency
@@ -30,7 +30,7 @@ def best_matchings(frames: Floats, adjacency: TetAdjacency) -> Matchings:
     """
     a, b = adjacency.dual_edges.T
     relative = np.swapaxes(frames[b], 1, 2) @ frames[a]
-    index = (relative.reshape(-1, 9) @ GROUP.reshape(24, 9).T).argmax(axis=1)
+    index = nearest_element(relative)
     return Matchings(index, angle_between(relative, GROUP[index]))
 
 

@@ -34,9 +34,12 @@ def _signed_permutations() -> Floats:
     return np.array(sorted(found, key=lambda g: -np.trace(g)))
 
 
-def _index(g: Floats) -> Ints:
-    """Where the matrices g (..., 3, 3) stand in GROUP: the inner product of two is 3 only if they are equal."""
-    return np.asarray(np.einsum("...ij,gij->...g", g, GROUP).argmax(-1))
+def nearest_element(g: Floats) -> Ints:
+    """Index (...) of the element of GROUP nearest to each matrix g (..., 3, 3), of equally near ones the first.
+
+    It has the largest inner product with g, as all elements have the same norm.
+    """
+    return np.asarray((np.reshape(g, (*np.shape(g)[:-2], 9)) @ GROUP.reshape(24, 9).T).argmax(-1))
 
 
 def _turn(g: Floats) -> Turn:
@@ -58,8 +61,8 @@ def _axis(g: Floats) -> Floats:
 # (24, 3, 3) float64, GROUP[0] the identity
 GROUP = _signed_permutations()
 # COMPOSE[a, b] is the index of GROUP[a] @ GROUP[b]; INVERSE[a] that of GROUP[a].T
-COMPOSE = _index(np.einsum("aij,bjk->abik", GROUP, GROUP))
-INVERSE = _index(GROUP.transpose(0, 2, 1))
+COMPOSE = nearest_element(np.einsum("aij,bjk->abik", GROUP, GROUP))
+INVERSE = nearest_element(GROUP.transpose(0, 2, 1))
 # (24,) a Turn each
 TURN = np.array([_turn(g) for g in GROUP], np.int64)
 # (24, 3) unit rotation axes, quarter turns counter-clockwise about them; zero for identity and compounds

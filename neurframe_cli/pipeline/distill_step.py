@@ -9,6 +9,7 @@ from neurframe_cli.field.field_file import field_to_bytes, read_field
 from neurframe_cli.mesh.read_hex_map import read_hex_map
 from neurframe_cli.pipeline.atomic import atomic_path
 from neurframe_cli.pipeline.hex_step import HEX
+from neurframe_cli.pipeline.manifest import read_manifest
 from neurframe_cli.pipeline.runner import StageContext, Step
 from neurframe_cli.pipeline.train_step import FIELD
 from neurframe_cli.pipeline.workspace import Workspace
@@ -24,6 +25,9 @@ def distill_step(workspace: Workspace, options: DistillOptions) -> Step:
     values = asdict(options)
 
     def work(context: StageContext) -> dict[str, Any]:
+        hexes = read_manifest(context.workspace.folder).stages.get("hex")
+        if hexes is not None and "grid" in hexes.report:
+            context.warn("the hexes are of a regular grid, not of map.hexex, whose field this is")
         field = read_field(inputs[FIELD])
         made = distill_map(field, read_hex_map(inputs[HEX.map_name]), options, context.progress)
         with atomic_path(context.workspace / MAP_FIELD) as path:

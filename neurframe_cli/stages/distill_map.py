@@ -96,7 +96,7 @@ def distill_map(
 
 
 def _train(
-    network: Any, points: Floats, frames: Floats, lesson: Round, seed: int, progress: Progress
+    network: FieldNetwork, points: Floats, frames: Floats, lesson: Round, seed: int, progress: Progress
 ) -> None:
     """All steps of a round of distillation, on the network."""
     from neurframe_cli.field.frames import frame_to_band4
@@ -121,13 +121,12 @@ def _agreement(
     """How near the field is to the frames (m,3,3) at points (m,3), whose matchings (e,) are those of the map."""
     from neurframe_cli.field.frames import nearest_frames
     from neurframe_cli.field.matching import best_matchings
-    from neurframe_cli.field.octahedral_group import GROUP
+    from neurframe_cli.field.octahedral_group import GROUP, nearest_element
     from neurframe_cli.field.rotations import angle_between
 
     found = nearest_frames(field.query(points)).frames
     # of the 24 frames that are one cross, that which is nearest to the map's
-    relative = np.swapaxes(found, 1, 2) @ frames
-    found = found @ GROUP[(relative.reshape(-1, 9) @ GROUP.reshape(24, 9).T).argmax(axis=1)]
+    found = found @ GROUP[nearest_element(np.swapaxes(found, 1, 2) @ frames)]
     degrees = np.degrees(angle_between(found, frames))
     same = best_matchings(found, adjacency).index == matchings
     return {
