@@ -20,7 +20,7 @@ from neurframe_cli.mesh.quality.check import CheckOptions, check_hexes
 from neurframe_cli.stages.pad_hexes import padded_hexes
 from neurframe_cli.stages.smooth_hexes import HEX_OPTIONS, measured_hexes, smooth_hexes
 
-POOR = 0.2  # worst scaled Jacobian, below which a layer of hexes is tried
+POOR = 0.3  # worst scaled Jacobian, below which a layer of hexes is tried
 # times the limit of the distance; hexes of a map that were farther away than 2.1 times have not been seen to pass
 TOO_FAR = 2.5
 FAR_TO_PAD = 1.25  # the same after smoothing: a layer brings them nearer by less

@@ -14,7 +14,7 @@ from neurframe_cli.stages.smooth_hexes import smooth_hexes
 
 LAYER = 0.4  # share of the hexes at the boundary that the layer takes before smoothing
 SMOOTH = 0.7  # least cosine between the normals of two quads on one side although a single hex has both
-GOOD_ENOUGH = 0.2  # worst scaled Jacobian with which a padded mesh is taken although the other's was better
+GOOD_ENOUGH = 0.3  # worst scaled Jacobian with which a padded mesh is taken although the other's was better
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def padded_hexes(
 ) -> PaddedMesh:
     """The smoothed hexes H (n,8) with a layer along their boundary, smoothed again, or as they were if that is worse.
 
-    Not worse: no more inverted hexes, a worst scaled Jacobian that is no lower or at least 0.2, and a Hausdorff
+    Not worse: no more inverted hexes, a worst scaled Jacobian that is no lower or at least 0.3, and a Hausdorff
     distance that is no larger or within the limit of `options`.  `voids`: hexes may be missing.
     """
     V, padded = pad_hexes(before.V, H)

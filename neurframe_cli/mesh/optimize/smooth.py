@@ -2,30 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from neurframe_cli.errors import InvalidMesh
-from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part
+from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part, silent
 from neurframe_cli.mesh.measure import box_diagonal
 from neurframe_cli.mesh.optimize.cell_kind import CellKind
 from neurframe_cli.mesh.optimize.classify import Classification, classify
-from neurframe_cli.mesh.optimize.constraints import FREE, ON_CURVE, Constraints
+from neurframe_cli.mesh.optimize.constraints import FREE, Constraints
 from neurframe_cli.mesh.optimize.distance_probe import BothDiagonals, DistanceProbe, Distances
-from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver, State
-from neurframe_cli.mesh.optimize.let_go import let_go
+from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver
+from neurframe_cli.mesh.optimize.lift import lifted
 from neurframe_cli.mesh.optimize.mend_quads import mend_poor_quads
+from neurframe_cli.mesh.optimize.near_surface import NearSurface, Placed
 from neurframe_cli.mesh.optimize.patches import Patches, outward_normals
 from neurframe_cli.mesh.optimize.reach import reach_far_places
-from neurframe_cli.mesh.optimize.soft_constraints import BAD, Placed, SoftConstraints
+from neurframe_cli.mesh.optimize.release import released_of_soft, released_round_bad
+from neurframe_cli.mesh.optimize.soft_constraints import SoftConstraints
 from neurframe_cli.mesh.quality.polygons import unique_edges
 
-WORTH, SHARE = 0.2, 0.6  # scaled Jacobian, and share of the worst one, that a hex keeps while vertices settle
-RINGS = 3  # of hexes whose features let go
-ABOUT = 1.05  # times the limit of the distance, for much better hexes
-NEAR_ENOUGH = 1.2  # times the limit, for features that have let go: settling brings the mesh nearer
-POOREST = (0.08, 0.12, 0.16, 0.2)  # scaled Jacobians of hexes that features let go of, one after the other
 PASSED_BY = (
     0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
 )
@@ -105,185 +102,91 @@ def smooth_cells(
     probe_of = DistanceProbe if faces is cells else BothDiagonals
     probe = probe_of(faces, surface, options.samples, np.random.default_rng(options.seed))
     diagonal = box_diagonal(surface.V[np.unique(surface.F)])
-    first = Placed(improver.first, probe.measure(X))
-    limit = options.hausdorff_limit * diagonal
-    begin = _loose(improver, first.state, part(progress, 0.0, 0.0)) if options.soft_first else X
-    soft = SoftConstraints(improver, begin, classified.start, probe, limit, sliding=options.soft_first)
-    origin = (soft.untangled() if options.soft_first else None) or first
-    start = classified.start if origin is first else origin.state.x
-    improved, rounds = improver.run(origin.state, start, part(progress, 0.0, 0.5))
-    final = _within(improver, origin, improved, probe, limit)
-    released = 0
-    if normals is None:
-        if not options.soft_first and final.state.inverted and (found := soft.untangled()) is not None:
-            improved, more = improver.run(found.state, found.state.x, part(progress, 0.5, 1.0))
-            final = _within(improver, found, improved, probe, limit)
-            rounds += more
-        final = soft.nearer(final)
-        if not voids:  # their boundary is pinned, too, and must stay
-            last = part(progress, 1.0, 1.0)
-            end = _freed_of_features if options.soft_first else _let_go
-            final, released = end(improver, final, probe, limit, surface, last)
-            final = _settled(improver, final, probe, limit)
-    held_back = int((final.state.x != improved.x).any(axis=1).sum())
+    near = NearSurface(improver, probe, options.hausdorff_limit * diagonal)
+    first = near.placed(improver.first)
+    steps = part(progress, 0.0, 0.9)
     if normals is not None:
-        final, released = _mended(improver, final, probe, classified.patches, options, diagonal)
+        run = _improved(near, first, classified.start, steps)
+        final, released = _mended(near, run.placed, classified.patches, options, diagonal)
+    else:
+        run = _improved_hexes(near, first, classified.start, options.soft_first, steps)
+        final, released = _finished_hexes(near, run.placed, surface, options.soft_first, voids)
     quality = final.state.quality
     progress(1.0, f"worst {quality.min():.3f}, mean {quality.mean():.3f}")
     report = SmoothReport(
         before=mesh_numbers(first.state.quality, first.distances, diagonal),
         after=mesh_numbers(final.state.quality, final.distances, diagonal),
         classification=classified.found,
-        rounds=rounds,
-        held_back=held_back,
+        rounds=run.rounds,
+        held_back=run.held_back,
         released=released,
     )
     return SmoothedMesh(final.state.x, report)
 
 
-def _loose(improver: Improver, state: State, progress: Progress) -> Floats:
+@dataclass(frozen=True)
+class _Run:
+    """The mesh after rounds of improvement, and how many vertices the limit of the distance held back in the last."""
+
+    placed: Placed
+    rounds: int
+    held_back: int
+
+
+def _improved(near: NearSurface, origin: Placed, start: Floats, progress: Progress) -> _Run:
+    """Rounds from `start` (n,3), and as much of the way there from `origin` as the limit allows."""
+    improved, rounds = near.improver.run(origin.state, start, progress)
+    placed = near.within(origin, improved)
+    return _Run(placed, rounds, int((placed.state.x != improved.x).any(axis=1).sum()))
+
+
+def _improved_hexes(
+    near: NearSurface, first: Placed, start: Floats, soft_first: bool, progress: Progress
+) -> _Run:
+    """The same for hexes, which soft constraints draw to the surface where hard ones leave them inverted or away from
+    it, or before these if `soft_first`."""
+    X = _loose(near.improver, silent) if soft_first else first.state.x
+    soft = SoftConstraints(near, X, start, sliding=soft_first)
+    origin = (soft.untangled() if soft_first else None) or first
+    run = _improved(near, origin, start if origin is first else origin.state.x, progress)
+    if not soft_first and run.placed.state.inverted and (found := soft.untangled()) is not None:
+        again = _improved(near, found, found.state.x, progress)
+        run = _Run(again.placed, run.rounds + again.rounds, again.held_back)
+    return replace(run, placed=soft.nearer(run.placed))
+
+
+def _finished_hexes(
+    near: NearSurface, placed: Placed, surface: Surface, soft_first: bool, voids: bool
+) -> tuple[Placed, int]:
+    """The poorest hexes made better, features letting go of them where that is needed, and the vertices in place; with
+    the number of vertices let go.  Round voids nothing lets go: their boundary is pinned, too, and must stay."""
+    released = 0
+    if not voids:
+        release = released_of_soft if soft_first else released_round_bad
+        placed, released = release(near, placed, surface)
+        placed = near.settled(placed)
+    made = lifted(near, placed, surface, may_release=not voids)
+    return made.placed, released + made.released
+
+
+def _loose(improver: Improver, progress: Progress) -> Floats:
     """Positions (n,3) with better hexes, nothing being held: a hex that is all but inverted makes the barrier hold all
     of the mesh."""
-    held = Constraints(np.full(len(state.x), FREE), state.x, [])
-    return improver.constrained(held).run(state, state.x, progress)[0].x
-
-
-def _freed_of_features(
-    improver: Improver,
-    placed: Placed,
-    probe: DistanceProbe,
-    limit: float,
-    surface: Surface,
-    progress: Progress,
-) -> tuple[Placed, int]:
-    """Hexes that soft constraints have drawn to the surface, after features have let go: of poor ones and all round
-    them, but only if that brings the mesh near enough where it was not; then of the poorest, drawn anew."""
-    released = 0
-    if placed.distances.by_face.max() > limit:
-        freed, count = _let_go(improver, placed, probe, limit, surface, progress, POOREST[-1])
-        if freed.distances.by_face.max() <= NEAR_ENOUGH * limit:
-            placed, released = freed, count
-    placed, more = _drawn_anew(improver, placed, probe, limit, surface, progress)
-    return placed, max(released, more)
-
-
-def _let_go(
-    improver: Improver,
-    placed: Placed,
-    probe: DistanceProbe,
-    limit: float,
-    surface: Surface,
-    progress: Progress,
-    least: float = BAD,
-) -> tuple[Placed, int]:
-    """Hexes better than `least`, where letting go of features in the others makes them so, or round those that stay bad
-    in as many rings of hexes as needed; with the number of vertices let go."""
-    held = improver.constraints.kind >= ON_CURVE
-    chosen, freed = np.zeros(len(improver.cells), bool), 0
-    for rings in range(RINGS):
-        bad = np.asarray(placed.state.quality <= least)
-        if not bad.any():
-            break
-        for _ in range(rings):
-            bad = np.asarray(np.isin(improver.cells, improver.cells[bad]).any(axis=1))
-        chosen |= bad
-        count = int(held[np.unique(improver.cells[chosen])].sum())
-        if count == freed:
-            continue
-        freed = count
-        free = improver.constrained(let_go(improver.constraints, surface, improver.cells[chosen]))
-        improved = free.run(placed.state, placed.state.x, progress)[0]
-        placed = _within(free, placed, improved, probe, limit)
-    return placed, freed
-
-
-def _drawn_anew(
-    improver: Improver,
-    placed: Placed,
-    probe: DistanceProbe,
-    limit: float,
-    surface: Surface,
-    progress: Progress,
-) -> tuple[Placed, int]:
-    """The same for hexes that soft constraints have drawn to the surface: they are drawn to it anew, from where they
-    are, features having let go of the poorest hexes, then of less poor ones, as long as that makes the poorest better
-    and leaves no place too far away."""
-    held = improver.constraints.kind >= ON_CURVE
-    chosen, freed = np.zeros(len(improver.cells), bool), 0
-    for least in POOREST:
-        poor = np.asarray(placed.state.quality <= least)
-        if not poor.any():
-            continue
-        loose = chosen | poor
-        free = improver.constrained(let_go(improver.constraints, surface, improver.cells[loose]))
-        x = placed.state.x
-        drawn = SoftConstraints(free, x, x, probe, limit, sliding=True).untangled()
-        if drawn is None:
-            break
-        drawn = _within(free, drawn, free.run(drawn.state, drawn.state.x, progress)[0], probe, limit)
-        away = float(drawn.distances.by_face.max())
-        better = drawn.state.quality.min() > placed.state.quality.min()
-        if not better or away > max(ABOUT * limit, float(placed.distances.by_face.max())):
-            break
-        placed, chosen = drawn, loose
-        freed = int(held[np.unique(improver.cells[chosen])].sum())
-    return placed, freed
-
-
-def _within(
-    improver: Improver, origin: Placed, improved: State, probe: DistanceProbe, limit: float
-) -> Placed:
-    """As much of the way from `origin` to `improved` as leaves no face beyond the limit that was not."""
-    final = _moved(improver, origin, improved.x, probe, limit)
-    return final if final.state.better_than(origin.state) else origin
-
-
-def _settled(improver: Improver, placed: Placed, probe: DistanceProbe, limit: float) -> Placed:
-    """Vertices where the constraints want them, wherever no hex gets poor for that, nor worse than the worst one was at
-    first: soft constraints leave all of them a little off, and planes uneven."""
-    goal = improver.constraints.project(placed.state.x).points
-    quality = placed.state.quality
-    least = max(WORTH, SHARE * quality.min(), improver.first.quality.min())
-    allowed = np.minimum(quality, least)
-    return _moved(improver, placed, goal, probe, limit, allowed)
-
-
-def _moved(
-    improver: Improver,
-    origin: Placed,
-    goal: Floats,
-    probe: DistanceProbe,
-    limit: float,
-    allowed: Floats | None = None,
-) -> Placed:
-    """As much of the way from `origin` to `goal` (n,3) as guarded_step allows, with cells no worse than `allowed` (c,)
-    and no face beyond the limit that was not."""
-    near = np.maximum(origin.distances.by_face, limit)
-    last = origin.distances
-
-    def too_far(x: Floats) -> Ints:
-        nonlocal last
-        last = probe.measure(x)
-        return np.unique(probe.faces[last.by_face > near])
-
-    final = improver.guarded(origin.state, goal, too_far, allowed)
-    return Placed(final, last)
+    first = improver.first
+    held = Constraints(np.full(len(first.x), FREE), first.x, [])
+    return improver.constrained(held).run(first, first.x, progress)[0].x
 
 
 def _mended(
-    improver: Improver,
-    placed: Placed,
-    probe: DistanceProbe,
-    patches: Patches,
-    options: SmoothOptions,
-    diagonal: float,
+    near: NearSurface, placed: Placed, patches: Patches, options: SmoothOptions, diagonal: float
 ) -> tuple[Placed, int]:
     """Quads moved to places of the surface that they leave far away, and the poor ones mended; with the number of
     curves let go for that."""
+    improver, probe = near.improver, near.probe
     passed_by = max(options.reach_limit * diagonal, PASSED_BY * _median_edge(placed.state.x, probe.faces))
     state, distances = reach_far_places(improver, placed.state, probe, placed.distances, passed_by)
-    near = np.maximum(distances.by_face, options.mend_limit * diagonal)
-    mended = mend_poor_quads(improver, state, patches, probe, distances, near)
+    most = np.maximum(distances.by_face, options.mend_limit * diagonal)
+    mended = mend_poor_quads(improver, state, patches, probe, distances, most)
     return Placed(mended.state, mended.distances), mended.released
 
 
