@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "cubecover/arc_orientation.hpp"
+
 namespace neurframe {
 
 CombedField comb_field(FieldMesh mesh) {
@@ -15,6 +17,7 @@ CombedField comb_field(FieldMesh mesh) {
   field.boundary_edges = find_boundary_edges(field.mesh, field.rings);
   field.boundary_axis = boundary_axes(field.mesh, field.boundary_edges);
   field.singular = find_singular_graph(field.mesh, field.rings);
+  orient_arcs(field.mesh, field.boundary_axis, field.singular);
   return field;
 }
 

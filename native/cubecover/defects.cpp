@@ -1,11 +1,11 @@
 #include "cubecover/defects.hpp"
 
-#include <map>
 #include <optional>
 #include <random>
 
 #include "core/fixed_point.hpp"
 #include "cubecover/exact_map.hpp"
+#include "cubecover/vertex_star.hpp"
 
 namespace neurframe {
 
@@ -60,21 +60,6 @@ constexpr double farthest_off_axis_deg = 54.7;  // the diagonal of the cube: bey
 
 Eigen::Vector3d middle(const FieldMesh& mesh, const EdgeKey& edge) {
   return (at(mesh.points, edge[0]) + at(mesh.points, edge[1])) / 2;
-}
-
-// The matchings along a walk from tet to tet inside the star of the vertex.
-OctahedralRotation transport_in_star(const FieldMesh& mesh, int vertex, int from, int to) {
-  std::map<int, OctahedralRotation> reached = {{from, OctahedralRotation()}};
-  std::vector<int> queue = {from};
-  for (std::size_t i = 0; i < queue.size() && !reached.contains(to); ++i) {
-    for (int h = 4 * queue[i]; h < 4 * queue[i] + 4; ++h) {
-      const int twin = at(mesh.twin, h);
-      if (twin < 0 || reached.contains(twin / 4) || corner_of(at(mesh.tets, twin / 4), vertex) < 0) continue;
-      reached[twin / 4] = at(mesh.matchings, h) * reached[queue[i]];
-      queue.push_back(twin / 4);
-    }
-  }
-  return reached.at(to);
 }
 
 // The chart axis along the singular edge, pointing towards the vertex or away from it.
