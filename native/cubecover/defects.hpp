@@ -11,6 +11,7 @@ struct Defect {
     compound_edge,    // turns about a diagonal of the cube: no hex mesh has such an edge
     off_axis_edge,    // the frame's axis is more than 54.7 degrees off the edge: another axis is nearer
     turning_point,    // a singular line changes its axis in passing a vertex
+    grazing_end,      // a singular line leaves the boundary along a part of it
     empty_sector,     // no quarter turn of the solid is left between two boundary faces
     overfull_sector,  // four quarter turns between two boundary faces
     crooked_sector,   // the boundary turns about an axis that is not along the edge

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/errors.hpp"
+#include "cubecover/line_repair.hpp"
 
 namespace neurframe {
 
@@ -82,7 +83,7 @@ class Search {
         waiting_.begin(), waiting_.end(),
         [](const PreparedField& a, const PreparedField& b) { return a.score() < b.score(); });
     if (!is_hopeless(soundest->defects.size(), soundest->framed))
-      *soundest = prepared([&] { return with_local_restarts(std::move(*soundest)); });
+      *soundest = prepared([&] { return with_line_repairs(with_local_restarts(std::move(*soundest))); });
     try_waiting();
   }
 

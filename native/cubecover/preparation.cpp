@@ -31,13 +31,19 @@ FieldMesh framed_mesh(FieldMesh mesh, const Preparation& preparation) {
 }
 
 PreparedField matched_field(FieldMesh framed, const Preparation& preparation) {
-  PreparedField prepared;
-  prepared.preparation = preparation;
-  prepared.framed = framed;
-  if (!preparation.is_polycube()) {
+  if (!preparation.has_matchings()) {
     match_faces(framed);
     straighten_singular_lines(framed);
   }
+  return judged_field(std::move(framed), preparation);
+}
+
+}  // namespace
+
+PreparedField judged_field(FieldMesh framed, const Preparation& preparation) {
+  PreparedField prepared;
+  prepared.preparation = preparation;
+  prepared.framed = framed;
   while (separate_critical_edges(framed) + separate_boundary(framed) > 0) {
   }
   prepared.field = comb_field(std::move(framed));
@@ -58,8 +64,6 @@ double mean_edge_length(const FieldMesh& mesh) {
   for (const EdgeKey& edge : rings.vertices) sum += edge_length(mesh, edge);
   return sum / static_cast<double>(rings.vertices.size());
 }
-
-}  // namespace
 
 PreparedField prepare(FieldMesh mesh, const Preparation& preparation) {
   return matched_field(framed_mesh(std::move(mesh), preparation), preparation);
@@ -94,10 +98,7 @@ std::optional<PreparedField> PolycubeSequence::next() {
   return {};
 }
 
-namespace {
-
-// The places to start anew at, the gravest defects first; off-axis edges do no harm by themselves.
-std::vector<Eigen::Vector3d> restart_places(std::vector<Defect> defects) {
+std::vector<Eigen::Vector3d> grave_places(std::vector<Defect> defects) {
   std::stable_sort(defects.begin(), defects.end(),
                    [](const Defect& a, const Defect& b) { return weight_of(a.kind) > weight_of(b.kind); });
   std::vector<Eigen::Vector3d> places;
@@ -106,6 +107,8 @@ std::vector<Eigen::Vector3d> restart_places(std::vector<Defect> defects) {
   }
   return places;
 }
+
+namespace {
 
 // Tries restarts at places of defects until one lowers the score; a ball that failed is not tried again.
 class RestartSearch {
@@ -117,7 +120,7 @@ class RestartSearch {
         tries_left_(restart_budget / std::max(1, prepared.framed.tet_count())) {}
 
   bool improve() {
-    for (const Eigen::Vector3d& place : restart_places(prepared_.defects)) {
+    for (const Eigen::Vector3d& place : grave_places(prepared_.defects)) {
       if (was_tried(place)) continue;
       for (const double radius : restart_radii) {
         for (const double source : restart_sources) {

@@ -14,8 +14,10 @@ namespace neurframe {
 struct Preparation {
   int diffusion_rounds = 0;  // of the frames; 0 takes them as they are
   LabelCosts polycube = {};  // of the labels that replace the frames, where compactness is not 0
+  int line_moves = 0;        // of singular lines, after the frames had been matched
 
   bool is_polycube() const { return polycube.compactness > 0; }
+  bool has_matchings() const { return is_polycube() || line_moves > 0; }  // that do not follow from the frames
 };
 
 struct PreparationScore {
@@ -26,7 +28,7 @@ struct PreparationScore {
 };
 
 struct PreparedField {
-  FieldMesh framed;  // split and with its final frames, before the matchings
+  FieldMesh framed;  // split and with its final frames and matchings, before the splits between singular lines
   CombedField field;
   Elimination elimination;
   ReducedMap map;
@@ -37,6 +39,14 @@ struct PreparedField {
   double score() const { return defect_score(defects); }
   PreparationScore judged() const { return {preparation, restarts, field.mesh.tet_count(), score()}; }
 };
+
+// The field of a mesh whose frames are matched.
+PreparedField judged_field(FieldMesh framed, const Preparation& preparation);
+
+double mean_edge_length(const FieldMesh& mesh);
+
+// The places of the defects, the gravest first; off-axis edges do no harm by themselves.
+std::vector<Eigen::Vector3d> grave_places(std::vector<Defect> defects);
 
 PreparedField prepare(FieldMesh mesh, const Preparation& preparation);
 

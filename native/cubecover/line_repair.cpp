@@ -1,0 +1,72 @@
+#include "cubecover/line_repair.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "cubecover/ribbons.hpp"
+#include "cubecover/settling.hpp"
+
+namespace neurframe {
+
+namespace {
+
+constexpr int repair_budget = 2000000;  // tets that moves may prepare again
+constexpr double move_radius = 1.5;     // mean edge lengths
+
+class RepairSearch {
+ public:
+  explicit RepairSearch(PreparedField& prepared)
+      : prepared_(prepared),
+        alignments_(boundary_alignments(prepared.framed)),
+        edge_length_(mean_edge_length(prepared.framed)),
+        tries_left_(repair_budget / std::max(1, prepared.framed.tet_count())) {}
+
+  bool improve() {
+    const EdgeRings rings = edge_rings(prepared_.framed.tets, prepared_.framed.twin);
+    for (const Eigen::Vector3d& place : grave_places(prepared_.defects)) {
+      if (improve_at(place, rings)) return true;
+    }
+    const std::vector<Ribbon> ribbons = unzipping_ribbons(prepared_.framed, rings);
+    return std::any_of(ribbons.begin(), ribbons.end(), [&](const Ribbon& r) { return attempt(r, rings); });
+  }
+
+ private:
+  bool improve_at(const Eigen::Vector3d& place, const EdgeRings& rings) {
+    const std::vector<LineMove> moves =
+        line_moves(prepared_.framed, rings, place, move_radius * edge_length_);
+    return std::any_of(moves.begin(), moves.end(), [&](const LineMove& m) { return attempt({m}, rings); });
+  }
+
+  bool attempt(const Ribbon& moves, const EdgeRings& rings) {
+    if (tries_left_-- <= 0) return false;
+    FieldMesh moved = prepared_.framed;
+    std::vector<int> faces;
+    for (const LineMove& move : moves) {
+      move_line(moved, rings, move);
+      faces.push_back(move.half_face);
+    }
+    settle_frames(moved, alignments_, faces);
+    PreparedField candidate = judged_field(std::move(moved), prepared_.preparation);
+    if (candidate.score() >= prepared_.score()) return false;
+    candidate.restarts = prepared_.restarts;
+    candidate.preparation.line_moves = prepared_.preparation.line_moves + 1;
+    prepared_ = std::move(candidate);
+    return true;
+  }
+
+  PreparedField& prepared_;
+  std::vector<Alignment> alignments_;
+  double edge_length_;
+  int tries_left_;
+};
+
+}  // namespace
+
+PreparedField with_line_repairs(PreparedField prepared) {
+  RepairSearch search(prepared);
+  while (prepared.score() > 0 && search.improve()) {
+  }
+  return prepared;
+}
+
+}  // namespace neurframe
