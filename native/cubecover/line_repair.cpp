@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cubecover/arc_removal.hpp"
 #include "cubecover/ribbons.hpp"
 #include "cubecover/settling.hpp"
 
@@ -23,30 +24,50 @@ class RepairSearch {
 
   bool improve() {
     const EdgeRings rings = edge_rings(prepared_.framed.tets, prepared_.framed.twin);
-    for (const Eigen::Vector3d& place : grave_places(prepared_.defects)) {
-      if (improve_at(place, rings)) return true;
-    }
-    const std::vector<Ribbon> ribbons = unzipping_ribbons(prepared_.framed, rings);
-    return std::any_of(ribbons.begin(), ribbons.end(), [&](const Ribbon& r) { return attempt(r, rings); });
+    return improve_by_removal(rings) || improve_by_ribbon(rings) || improve_by_moves(rings);
   }
 
  private:
-  bool improve_at(const Eigen::Vector3d& place, const EdgeRings& rings) {
-    const std::vector<LineMove> moves =
-        line_moves(prepared_.framed, rings, place, move_radius * edge_length_);
-    return std::any_of(moves.begin(), moves.end(), [&](const LineMove& m) { return attempt({m}, rings); });
+  bool improve_by_removal(const EdgeRings& rings) {
+    const SingularGraph graph = find_singular_graph(prepared_.framed, rings);
+    return std::any_of(graph.arcs.begin(), graph.arcs.end(), [&](const SingularArc& arc) {
+      FieldMesh moved = prepared_.framed;
+      const std::vector<int> faces = remove_arc(moved, rings, graph, arc);
+      return !faces.empty() && attempt(std::move(moved), faces);
+    });
+  }
+
+  bool improve_by_ribbon(const EdgeRings& rings) {
+    const std::vector<Ribbon> ribbons = unzipping_ribbons(prepared_.framed, rings);
+    return std::any_of(ribbons.begin(), ribbons.end(),
+                       [&](const Ribbon& ribbon) { return attempt(ribbon, rings); });
+  }
+
+  bool improve_by_moves(const EdgeRings& rings) {
+    for (const Eigen::Vector3d& place : grave_places(prepared_.defects)) {
+      for (const LineMove& move : line_moves(prepared_.framed, rings, place, move_radius * edge_length_)) {
+        if (attempt({move}, rings)) return true;
+      }
+    }
+    return false;
   }
 
   bool attempt(const Ribbon& moves, const EdgeRings& rings) {
-    if (tries_left_-- <= 0) return false;
     FieldMesh moved = prepared_.framed;
     std::vector<int> faces;
     for (const LineMove& move : moves) {
       move_line(moved, rings, move);
       faces.push_back(move.half_face);
     }
+    return attempt(std::move(moved), faces);
+  }
+
+  // Whether the field with other matchings of some faces is sounder.
+  bool attempt(FieldMesh moved, const std::vector<int>& faces) {
+    if (tries_left_-- <= 0) return false;
     settle_frames(moved, alignments_, faces);
-    PreparedField candidate = judged_field(std::move(moved), prepared_.preparation);
+    PreparedField candidate =
+        judged_field(std::move(moved), prepared_.preparation, prepared_.score() - 1);
     if (candidate.score() >= prepared_.score()) return false;
     candidate.restarts = prepared_.restarts;
     candidate.preparation.line_moves = prepared_.preparation.line_moves + 1;

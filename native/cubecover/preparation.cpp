@@ -40,16 +40,17 @@ PreparedField matched_field(FieldMesh framed, const Preparation& preparation) {
 
 }  // namespace
 
-PreparedField judged_field(FieldMesh framed, const Preparation& preparation) {
+PreparedField judged_field(FieldMesh framed, const Preparation& preparation, double most_score) {
   PreparedField prepared;
   prepared.preparation = preparation;
   prepared.framed = framed;
   while (separate_critical_edges(framed) + separate_boundary(framed) > 0) {
   }
   prepared.field = comb_field(std::move(framed));
+  prepared.defects = field_defects(prepared.field);
+  if (prepared.score() > most_score) return prepared;
   prepared.elimination = constrain(prepared.field);
   prepared.map = reduce(prepared.field, prepared.elimination);
-  prepared.defects = field_defects(prepared.field);
   for (Defect& defect : degenerate_tets(prepared.field, prepared.map))
     prepared.defects.push_back(std::move(defect));
   // a polycube's labels turn where the surface is smooth: there the frame says nothing of the turn

@@ -1,6 +1,7 @@
 // From a mesh with frames to one that can carry a map: splits, alignment, matchings, constraints.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <set>
 
@@ -40,8 +41,9 @@ struct PreparedField {
   PreparationScore judged() const { return {preparation, restarts, field.mesh.tet_count(), score()}; }
 };
 
-// The field of a mesh whose frames are matched.
-PreparedField judged_field(FieldMesh framed, const Preparation& preparation);
+// The field of a mesh whose frames are matched.  It has no map where defects that show before scored more.
+PreparedField judged_field(FieldMesh framed, const Preparation& preparation,
+                           double most_score = std::numeric_limits<double>::infinity());
 
 double mean_edge_length(const FieldMesh& mesh);
 

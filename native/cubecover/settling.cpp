@@ -7,7 +7,7 @@ namespace neurframe {
 namespace {
 
 constexpr int reach = 3;  // tets round the faces, by common vertices
-constexpr int sweeps = 60;
+constexpr int sweeps = 20;
 
 std::vector<int> tets_near(const FieldMesh& mesh, const std::vector<int>& half_faces) {
   std::vector<char> vertex(mesh.points.size(), 0);
