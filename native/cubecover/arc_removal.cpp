@@ -10,7 +10,7 @@ namespace neurframe {
 
 namespace {
 
-constexpr double widening = 1.5;  // of the ball round the arc, in lengths of its longest edge
+constexpr double widening = 0.75;  // of the ball round the arc, in lengths of its longest edge
 constexpr int unknown = std::numeric_limits<int>::max();
 
 // How often every face turns: a cochain on the dual graph whose sum round every edge is zero, but for the arc's.

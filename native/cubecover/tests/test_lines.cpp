@@ -1,0 +1,137 @@
+// Singular lines made by hand in the matchings of a box: their orientation, unzipping and removal.
+#include <cmath>
+
+#include "core/testing.hpp"
+#include "cubecover/arc_removal.hpp"
+#include "cubecover/line_repair.hpp"
+#include "cubecover/ribbons.hpp"
+#include "cubecover/settling.hpp"
+#include "grid_meshes.hpp"
+
+namespace neurframe {
+namespace {
+
+constexpr int turn_about_z_index() {
+  for (int i = 0; i < OctahedralRotation::count; ++i) {
+    const OctahedralRotation rotation(i);
+    if (rotation.fixed_axis() == 2 && rotation.quarter_turn_sign() == 1) return i;
+  }
+  return -1;
+}
+
+constexpr OctahedralRotation turn_about_z(turn_about_z_index());
+
+// The faces in the plane x = 3 inside a rectangle turn about z: so do the edges round the rectangle.
+FieldMesh box_with_sheet(double y_least, double y_most, double z_least, double z_most) {
+  FieldMesh mesh = box({6, 6, 6});
+  for (int h = 0; h < mesh.half_face_count(); ++h) {
+    if (at(mesh.twin, h) < 0 || area_vector(mesh, h).normalized().x() < 0.99) continue;
+    bool inside = true;
+    for (const int v : half_face_vertices(mesh.tets, h)) {
+      const Eigen::Vector3d& p = at(mesh.points, v);
+      inside = inside && p.x() == 3 && p.y() >= y_least && p.y() <= y_most && p.z() >= z_least && p.z() <= z_most;
+    }
+    if (inside) set_matching(mesh, h, turn_about_z);
+  }
+  return mesh;
+}
+
+int count(const std::vector<Defect>& defects, Defect::Kind kind) {
+  return static_cast<int>(
+      std::count_if(defects.begin(), defects.end(), [&](const Defect& d) { return d.kind == kind; }));
+}
+
+// A turn that comes from below and goes back there: up, across, down.
+FieldMesh box_with_turn() {
+  return box_with_sheet(2, 4, 0, 3);
+}
+
+void test_straight_lines() {
+  const CombedField field = comb_field(box_with_sheet(2, 4, 0, 6));
+  CHECK(field.singular.edges.size() == 12);
+  CHECK(field.singular.arcs.size() == 2);
+  CHECK(field.singular.arcs[0].valence + field.singular.arcs[1].valence == 8);
+  CHECK(count(field_defects(field), Defect::Kind::turning_point) == 0);
+  CHECK(count(field_defects(field), Defect::Kind::grazing_end) == 0);
+}
+
+void test_turn_is_one_turning_point() {
+  const CombedField field = comb_field(box_with_turn());
+  CHECK(field.singular.edges.size() == 8);
+  CHECK(field.singular.arcs.size() == 1);
+  CHECK(count(field_defects(field), Defect::Kind::turning_point) == 1);
+}
+
+// A corner cut off the sheet's side makes its line go across, and a little back: it remains one line.
+void test_jog_is_no_turning_point() {
+  FieldMesh mesh = box_with_sheet(2, 4, 0, 6);
+  for (Eigen::Vector3d& point : mesh.points) {
+    if (point == Eigen::Vector3d(3, 2, 3)) point.z() = 1.9;  // behind the vertex before it
+  }
+  const CombedField field = comb_field(mesh);
+  CHECK(count(field_defects(field), Defect::Kind::turning_point) == 0);
+  for (const SingularArc& arc : field.singular.arcs) {
+    for (const int e : arc.edges) CHECK(at(field.singular.edges, e).valence == arc.valence);
+  }
+}
+
+void test_removal() {
+  FieldMesh mesh = box_with_turn();
+  const EdgeRings rings = edge_rings(mesh.tets, mesh.twin);
+  const SingularGraph graph = find_singular_graph(mesh, rings);
+  CHECK(!remove_arc(mesh, rings, graph, graph.arcs.front()).empty());
+  CHECK(find_singular_graph(mesh, rings).edges.empty());
+}
+
+// A line from the bottom to the top spans no surface on which its axis is normal to the boundary.
+void test_no_removal_of_straight_lines() {
+  FieldMesh mesh = box_with_sheet(2, 4, 0, 6);
+  const EdgeRings rings = edge_rings(mesh.tets, mesh.twin);
+  const SingularGraph graph = find_singular_graph(mesh, rings);
+  for (const SingularArc& arc : graph.arcs) CHECK(remove_arc(mesh, rings, graph, arc).empty());
+  CHECK(find_singular_graph(mesh, rings).edges.size() == 12);
+}
+
+void test_ribbons() {
+  const FieldMesh turned = box_with_turn();
+  const EdgeRings rings = edge_rings(turned.tets, turned.twin);
+  const std::vector<Ribbon> ribbons = unzipping_ribbons(turned, rings);
+  CHECK(!ribbons.empty());
+  for (const Ribbon& ribbon : ribbons) {
+    FieldMesh mesh = turned;
+    std::vector<int> faces;
+    for (const LineMove& move : ribbon) {
+      move_line(mesh, rings, move);
+      faces.push_back(move.half_face);
+    }
+    settle_frames(mesh, boundary_alignments(mesh), faces);
+    const CombedField field = comb_field(mesh);
+    CHECK(field.singular.arcs.size() == 2);
+    CHECK(field.singular.nodes.empty());
+    for (const SingularArc& arc : field.singular.arcs)
+      CHECK(at(mesh.points, arc.vertices.front()).z() + at(mesh.points, arc.vertices.back()).z() == 6);
+    CHECK(count(field_defects(field), Defect::Kind::turning_point) == 0);
+  }
+}
+
+// Made sound by itself, with what keeps the field nearer to what it was.
+void test_repair() {
+  PreparedField prepared = judged_field(box_with_turn(), {});
+  CHECK(prepared.score() > 0);
+  prepared = with_line_repairs(std::move(prepared));
+  CHECK(prepared.score() == 0);
+}
+
+}  // namespace
+}  // namespace neurframe
+
+int main() {
+  neurframe::test_straight_lines();
+  neurframe::test_turn_is_one_turning_point();
+  neurframe::test_jog_is_no_turning_point();
+  neurframe::test_removal();
+  neurframe::test_no_removal_of_straight_lines();
+  neurframe::test_ribbons();
+  neurframe::test_repair();
+  return neurframe::test_result();
+}
