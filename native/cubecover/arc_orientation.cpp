@@ -9,7 +9,7 @@ namespace neurframe {
 
 namespace {
 
-constexpr double turn_cost = 1.0;  // in mean edges of the arc that run backwards
+constexpr double turn_cost = 0.5;  // in mean edges of the arc that run backwards
 constexpr double end_cost = 100;   // against the normal of the boundary
 
 // A boundary face at every vertex where the boundary is smooth; -1 elsewhere.

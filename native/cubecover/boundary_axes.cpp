@@ -116,4 +116,16 @@ int sector_quarter_turns(const FieldMesh& mesh, const BoundaryEdge& edge,
   return along < 0 ? 1 : 3;
 }
 
+int tangent_axis(const FieldMesh& mesh, const BoundaryEdge& edge, const std::vector<SignedAxis>& axes) {
+  const int begin = at(axes, edge.begin_face).axis;
+  const int end = carried(edge.across.inverse(), at(axes, edge.end_face)).axis;
+  if (begin != end) return 3 - begin - end;
+  const Eigen::Vector3d direction = at(mesh.points, edge.vertices[1]) - at(mesh.points, edge.vertices[0]);
+  Eigen::Vector3d along = (at(mesh.frames, edge.begin_face / 4).transpose() * direction).cwiseAbs();
+  along(begin) = -1;
+  int tangent = 0;
+  along.maxCoeff(&tangent);
+  return tangent;
+}
+
 }  // namespace neurframe

@@ -93,26 +93,11 @@ class Constraints {
     }
   }
 
-  // The chart axis along a feature, in the chart behind begin_face.  Where the boundary bends, it is the one
-  // that is normal to neither side: the frame itself may lie 45 degrees off, in a tet at a corner of 45
-  // degrees that is aligned with the other feature there.
-  int tangent_of(const BoundaryEdge& edge) const {
-    const int begin = at(field_.boundary_axis, edge.begin_face).axis;
-    const int end = carried(edge.across.inverse(), at(field_.boundary_axis, edge.end_face)).axis;
-    if (begin != end) return 3 - begin - end;
-    const Eigen::Vector3d direction = at(mesh_.points, edge.vertices[1]) - at(mesh_.points, edge.vertices[0]);
-    Eigen::Vector3d along = (at(mesh_.frames, edge.begin_face / 4).transpose() * direction).cwiseAbs();
-    along(begin) = -1;
-    int tangent = 0;
-    along.maxCoeff(&tangent);
-    return tangent;
-  }
-
   // Two coordinates are constant and integer along a feature: those transverse to it.
   void align_features() {
     for (const BoundaryEdge& edge : field_.boundary_edges) {
       if (!is_feature(mesh_, edge_key(edge.vertices[0], edge.vertices[1]))) continue;
-      align_edge(edge.begin_face / 4, edge.vertices, tangent_of(edge));
+      align_edge(edge.begin_face / 4, edge.vertices, tangent_axis(mesh_, edge, field_.boundary_axis));
     }
   }
 

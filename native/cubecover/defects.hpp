@@ -15,6 +15,7 @@ struct Defect {
     empty_sector,     // no quarter turn of the solid is left between two boundary faces
     overfull_sector,  // four quarter turns between two boundary faces
     crooked_sector,   // the boundary turns about an axis that is not along the edge
+    empty_corner,     // no quarter turn is left between two features of one part of the boundary
     degenerate_tet    // no volume for any choice of the free unknowns
   };
   Kind kind;

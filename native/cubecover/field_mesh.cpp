@@ -63,6 +63,10 @@ double edge_length(const FieldMesh& mesh, const EdgeKey& edge) {
   return (at(mesh.points, edge[1]) - at(mesh.points, edge[0])).norm();
 }
 
+Eigen::Vector3d edge_middle(const FieldMesh& mesh, const EdgeKey& edge) {
+  return (at(mesh.points, edge[0]) + at(mesh.points, edge[1])) / 2;
+}
+
 Eigen::Vector3d tet_center(const FieldMesh& mesh, int tet) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const int vertex : at(mesh.tets, tet)) sum += at(mesh.points, vertex);

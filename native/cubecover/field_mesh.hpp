@@ -40,6 +40,7 @@ FieldMesh make_field_mesh(std::vector<Eigen::Vector3d> points, std::vector<Tet> 
 
 double tet_volume(const FieldMesh& mesh, int tet);
 double edge_length(const FieldMesh& mesh, const EdgeKey& edge);
+Eigen::Vector3d edge_middle(const FieldMesh& mesh, const EdgeKey& edge);
 Eigen::Vector3d tet_center(const FieldMesh& mesh, int tet);
 Eigen::Vector3d area_vector(const FieldMesh& mesh, int half_face);  // outward normal times area
 double diagonal(const FieldMesh& mesh);                             // of the bounding box

@@ -11,7 +11,7 @@ namespace neurframe {
 
 namespace {
 
-constexpr int repair_budget = 2000000;  // tets that moves may prepare again
+constexpr int repair_budget = 400000;  // tets that moves may prepare again
 constexpr double move_radius = 1.5;     // mean edge lengths
 
 class RepairSearch {

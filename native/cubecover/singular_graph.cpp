@@ -89,6 +89,11 @@ class ArcTracer {
 
 }  // namespace
 
+SignedAxis axis_at(const SingularEdge& edge, int vertex, bool towards) {
+  const bool edge_ends_here = edge.vertices[1] == vertex;
+  return {edge.axis, edge_ends_here == towards ? edge.orientation : -edge.orientation};
+}
+
 SingularGraph find_singular_graph(const FieldMesh& mesh, const EdgeRings& rings) {
   SingularGraph graph;
   graph.edges_of_vertex.resize(mesh.points.size());

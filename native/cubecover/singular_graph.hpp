@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "cubecover/matching.hpp"
+#include "cubecover/boundary_axes.hpp"
 
 namespace neurframe {
 
@@ -18,6 +18,9 @@ struct SingularEdge {
   int valence;          // hexes round the edge: 3, 5, 2, 6; 0 for a compound edge
   double off_axis_deg;  // angle between the edge and the frame's axis
 };
+
+// The chart axis along the edge, pointing towards its end vertex or away from it.
+SignedAxis axis_at(const SingularEdge& edge, int vertex, bool towards);
 
 struct SingularArc {
   std::vector<int> edges;     // indices into SingularGraph::edges, in order along the arc

@@ -1,5 +1,5 @@
 // Singular lines made by hand in the matchings of a box: their orientation, unzipping and removal.
-#include <cmath>
+#include <algorithm>
 
 #include "core/testing.hpp"
 #include "cubecover/arc_removal.hpp"
@@ -75,6 +75,28 @@ void test_jog_is_no_turning_point() {
   }
 }
 
+// The line arrives at a side of the box across its axis, which lies in that side.
+void test_grazing_end() {
+  const CombedField field = comb_field(box_with_sheet(0, 2, 0, 3));
+  CHECK(count(field_defects(field), Defect::Kind::grazing_end) == 1);
+}
+
+// Two features of the top that leave a vertex at an angle of 22 degrees: both along x.
+void test_empty_corner() {
+  FieldMesh mesh = box({6, 6, 6});
+  std::vector<int> ends;
+  for (const Eigen::Vector3d& wanted : {Eigen::Vector3d(3, 3, 6), Eigen::Vector3d(4, 3, 6), Eigen::Vector3d(4, 4, 6)}) {
+    const auto found = std::find(mesh.points.begin(), mesh.points.end(), wanted);
+    ends.push_back(static_cast<int>(found - mesh.points.begin()));
+  }
+  CHECK(count(field_defects(comb_field(mesh)), Defect::Kind::empty_corner) == 0);
+  at(mesh.points, ends[2]) = Eigen::Vector3d(4, 3.4, 6);
+  mesh.features.push_back(edge_key(ends[0], ends[1]));
+  mesh.features.push_back(edge_key(ends[0], ends[2]));
+  std::sort(mesh.features.begin(), mesh.features.end());
+  CHECK(count(field_defects(comb_field(mesh)), Defect::Kind::empty_corner) == 1);
+}
+
 void test_removal() {
   FieldMesh mesh = box_with_turn();
   const EdgeRings rings = edge_rings(mesh.tets, mesh.twin);
@@ -129,6 +151,8 @@ int main() {
   neurframe::test_straight_lines();
   neurframe::test_turn_is_one_turning_point();
   neurframe::test_jog_is_no_turning_point();
+  neurframe::test_grazing_end();
+  neurframe::test_empty_corner();
   neurframe::test_removal();
   neurframe::test_no_removal_of_straight_lines();
   neurframe::test_ribbons();
