@@ -11,7 +11,7 @@ namespace neurframe {
 
 namespace {
 
-constexpr int repair_budget = 400000;  // tets that moves may prepare again
+constexpr int repair_budget = 200000;  // tets that moves may prepare again
 constexpr double move_radius = 1.5;     // mean edge lengths
 
 class RepairSearch {
@@ -81,9 +81,16 @@ class RepairSearch {
   int tries_left_;
 };
 
+// No move of a line gives room to a corner or a sector of the boundary that has none.
+bool is_beyond_moves(const Defect& defect) {
+  return defect.kind == Defect::Kind::empty_sector || defect.kind == Defect::Kind::overfull_sector ||
+         defect.kind == Defect::Kind::empty_corner;
+}
+
 }  // namespace
 
 PreparedField with_line_repairs(PreparedField prepared) {
+  if (std::any_of(prepared.defects.begin(), prepared.defects.end(), is_beyond_moves)) return prepared;
   RepairSearch search(prepared);
   while (prepared.score() > 0 && search.improve()) {
   }

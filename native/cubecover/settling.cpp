@@ -8,6 +8,8 @@ namespace {
 
 constexpr int reach = 3;  // tets round the faces, by common vertices
 constexpr int sweeps = 20;
+constexpr double least_determinant = 0.05;  // of a mean of rotations
+constexpr int polar_steps = 6;
 
 std::vector<int> tets_near(const FieldMesh& mesh, const std::vector<int>& half_faces) {
   std::vector<char> vertex(mesh.points.size(), 0);
@@ -29,11 +31,14 @@ std::vector<int> tets_near(const FieldMesh& mesh, const std::vector<int>& half_f
   return tets;
 }
 
-Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double handedness = (svd.matrixU() * svd.matrixV().transpose()).determinant();
-  return svd.matrixU() * Eigen::Vector3d(1, 1, handedness < 0 ? -1 : 1).asDiagonal() *
-         svd.matrixV().transpose();
+// By Newton's method for the polar decomposition, which is much faster than one by singular values; what is far
+// from any rotation stays as it was.
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix, const Eigen::Matrix3d& before) {
+  if (!(matrix.determinant() > least_determinant)) return before;
+  Eigen::Matrix3d rotation = matrix;
+  for (int step = 0; step < polar_steps; ++step)
+    rotation = (rotation + rotation.inverse().transpose().eval()) / 2;
+  return rotation;
 }
 
 // u_neighbor = R u_tet, so the neighbour's frame in the names of the tet's axes is F R.
@@ -58,11 +63,10 @@ void settle_frames(FieldMesh& mesh, const std::vector<Alignment>& alignments,
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     for (const int t : tets) {
       Eigen::Matrix3d& frame = at(mesh.frames, t);
-      frame = mean_of_neighbors(mesh, t);
-      if (at(alignments, t).first) frame = aligned_frame(nearest_rotation(frame), at(alignments, t));
+      frame = nearest_rotation(mean_of_neighbors(mesh, t), frame);
+      frame = aligned_frame(frame, at(alignments, t));
     }
   }
-  for (const int t : tets) at(mesh.frames, t) = nearest_rotation(at(mesh.frames, t));
 }
 
 }  // namespace neurframe
