@@ -13,7 +13,8 @@ namespace {
 constexpr double widening = 0.75;  // of the ball round the arc, in lengths of its longest edge
 constexpr int unknown = std::numeric_limits<int>::max();
 
-// How often every face turns: a cochain on the dual graph whose sum round every edge is zero, but for the arc's.
+// How often every face turns: a cochain on the dual graph whose sum round every edge is zero, but for the
+// arc's.
 class TurnSurface {
  public:
   TurnSurface(FieldMesh& mesh, const EdgeRings& rings, const SingularGraph& graph, const SingularArc& arc)
@@ -40,12 +41,14 @@ class TurnSurface {
     Eigen::AlignedBox3d box;
     double longest = 0;
     std::vector<char> other(mesh_.points.size(), 0);
-    for (const SingularEdge& edge : graph_.edges) at(other, edge.vertices[0]) = at(other, edge.vertices[1]) = 1;
+    for (const SingularEdge& edge : graph_.edges)
+      at(other, edge.vertices[0]) = at(other, edge.vertices[1]) = 1;
     for (const int v : arc_.vertices) {
       box.extend(at(mesh_.points, v));
       at(other, v) = 0;
     }
-    for (const int e : arc_.edges) longest = std::max(longest, edge_length(mesh_, at(graph_.edges, e).vertices));
+    for (const int e : arc_.edges)
+      longest = std::max(longest, edge_length(mesh_, at(graph_.edges, e).vertices));
     const double radius = box.diagonal().norm() / 2 + widening * longest;
     for (int t = 0; t < mesh_.tet_count(); ++t) {
       const Tet& corners = at(mesh_.tets, t);
@@ -74,12 +77,13 @@ class TurnSurface {
         }
       }
     }
-    for (int t = 0; t < mesh_.tet_count(); ++t) at(inside_, t) = at(inside_, t) && !at(turn_, t).is_identity();
+    for (int t = 0; t < mesh_.tet_count(); ++t)
+      at(inside_, t) = at(inside_, t) && !at(turn_, t).is_identity();
     return true;
   }
 
-  // Up to a change of charts the faces of a spanning tree of the dual graph, all outside being its root, do not
-  // turn.
+  // Up to a change of charts the faces of a spanning tree of the dual graph, all outside being its root, do
+  // not turn.
   void fix_charts() {
     std::vector<int> queue;
     std::vector<char> met(mesh_.tets.size(), 0);
@@ -109,8 +113,8 @@ class TurnSurface {
     return found == ring.end() ? -1 : *found / 4;
   }
 
-  // What the sum round each edge has to be; unknown where the surface may end, on the boundary whose normal is
-  // the axis.
+  // What the sum round each edge has to be; unknown where the surface may end, on the boundary whose normal
+  // is the axis.
   void demand_sums() {
     sum_.assign(rings_.vertices.size(), 0);
     for (const int e : arc_.edges) {
@@ -121,7 +125,8 @@ class TurnSurface {
     const std::vector<SignedAxis> axes = boundary_axes(mesh_, edges);
     for (const BoundaryEdge& edge : edges) {
       const OctahedralRotation turn = at(turn_, edge.begin_face / 4);
-      if (!at(inside_, edge.begin_face / 4) || is_feature(mesh_, edge_key(edge.vertices[0], edge.vertices[1])))
+      if (!at(inside_, edge.begin_face / 4) ||
+          is_feature(mesh_, edge_key(edge.vertices[0], edge.vertices[1])))
         continue;
       if (turn.fixed_axis() == at(axes, edge.begin_face).axis) at(sum_, edge.ring) = unknown;
     }
@@ -190,10 +195,10 @@ class TurnSurface {
   const EdgeRings& rings_;
   const SingularGraph& graph_;
   const SingularArc& arc_;
-  std::vector<char> inside_;               // per tet
+  std::vector<char> inside_;              // per tet
   std::vector<OctahedralRotation> turn_;  // per tet inside
-  std::vector<int> times_;                 // per half-face; its twin's is the negative
-  std::vector<int> sum_;                   // per edge
+  std::vector<int> times_;                // per half-face; its twin's is the negative
+  std::vector<int> sum_;                  // per edge
 };
 
 }  // namespace

@@ -6,9 +6,10 @@
 
 namespace neurframe {
 
-// Makes the arc regular by a surface of faces that it spans together with a curve on the boundary, where its axis
-// is the normal: the quarter turn of the arc, carried along the surface, is taken out of their matchings.  Returns
-// those faces; none, and the mesh as it was, where the arc does not span such a surface near it.
+// Makes the arc regular by a surface of faces that it spans together with a curve on the boundary, where its
+// axis is the normal: the quarter turn of the arc, carried along the surface, is taken out of their
+// matchings.  Returns those faces; none, and the mesh as it was, where the arc does not span such a surface
+// near it.
 std::vector<int> remove_arc(FieldMesh& mesh, const EdgeRings& rings, const SingularGraph& graph,
                             const SingularArc& arc);
 

@@ -39,9 +39,9 @@ std::vector<SignedAxis> boundary_axes(const FieldMesh& mesh, const std::vector<B
 int sector_quarter_turns(const FieldMesh& mesh, const BoundaryEdge& edge,
                          const std::vector<SignedAxis>& axes);
 
-// The chart axis along a feature, in the chart behind begin_face.  Where the boundary bends, it is the one that is
-// normal to neither side: the frame itself may lie 45 degrees off, in a tet at a corner of 45 degrees that is
-// aligned with the other feature there.
+// The chart axis along a feature, in the chart behind begin_face.  Where the boundary bends, it is the one
+// that is normal to neither side: the frame itself may lie 45 degrees off, in a tet at a corner of 45 degrees
+// that is aligned with the other feature there.
 int tangent_axis(const FieldMesh& mesh, const BoundaryEdge& edge, const std::vector<SignedAxis>& axes);
 
 }  // namespace neurframe

@@ -14,15 +14,16 @@ namespace {
 // Whether the direction, laid into the face's plane, points from the corner into the face.
 bool points_into_face(const FieldMesh& mesh, int half_face, int vertex, const Eigen::Vector3d& direction) {
   const std::array<int, 3> corners = half_face_vertices(mesh.tets, half_face);
-  const auto corner = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), vertex) - corners.begin());
+  const auto corner =
+      static_cast<std::size_t>(std::find(corners.begin(), corners.end(), vertex) - corners.begin());
   const Eigen::Vector3d normal = area_vector(mesh, half_face);
   const Eigen::Vector3d first = at(mesh.points, corners[(corner + 1) % 3]) - at(mesh.points, vertex);
   const Eigen::Vector3d second = at(mesh.points, corners[(corner + 2) % 3]) - at(mesh.points, vertex);
   return normal.dot(first.cross(direction)) >= 0 && normal.dot(direction.cross(second)) >= 0;
 }
 
-// A line that leaves a vertex of the boundary along a chart axis in the plane of a part of the boundary that goes
-// the same way would lie in that plane, and what is between has no volume.
+// A line that leaves a vertex of the boundary along a chart axis in the plane of a part of the boundary that
+// goes the same way would lie in that plane, and what is between has no volume.
 bool is_grazing(const CombedField& field, const SingularEdge& edge, int vertex,
                 const std::vector<int>& faces_at_vertex) {
   const SignedAxis leaving = axis_at(edge, vertex, false);
@@ -67,7 +68,8 @@ void add_sector_defects(const CombedField& field, std::vector<Defect>& defects) 
 // Walks over the boundary faces at a vertex, from one feature to the next, with the first one's axis.
 class CornerWalks {
  public:
-  explicit CornerWalks(const CombedField& field) : field_(field), mesh_(field.mesh), edges_(mesh_.twin.size()) {
+  explicit CornerWalks(const CombedField& field)
+      : field_(field), mesh_(field.mesh), edges_(mesh_.twin.size()) {
     for (const BoundaryEdge& edge : field.boundary_edges) {
       at(edges_, edge.begin_face).push_back(&edge);
       at(edges_, edge.end_face).push_back(&edge);

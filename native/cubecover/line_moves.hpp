@@ -5,8 +5,8 @@
 
 namespace neurframe {
 
-// A face beside a singular edge, and the edge, which becomes regular: the face's two other edges take over its
-// holonomy.
+// A face beside a singular edge, and the edge, which becomes regular: the face's two other edges take over
+// its holonomy.
 struct LineMove {
   int half_face;
   int ring;  // of the edge, which the half-face is in

@@ -11,8 +11,8 @@ namespace neurframe {
 
 namespace {
 
-constexpr int repair_budget = 200000;  // tets that moves may prepare again
-constexpr double move_radius = 1.5;     // mean edge lengths
+constexpr int repair_budget = 200000;  // tets that moves across single faces may prepare again
+constexpr double move_radius = 1.5;    // mean edge lengths
 
 class RepairSearch {
  public:
@@ -22,6 +22,7 @@ class RepairSearch {
         edge_length_(mean_edge_length(prepared.framed)),
         tries_left_(repair_budget / std::max(1, prepared.framed.tet_count())) {}
 
+  // Whole arcs first, single faces last: those are many.
   bool improve() {
     const EdgeRings rings = edge_rings(prepared_.framed.tets, prepared_.framed.twin);
     return improve_by_removal(rings) || improve_by_ribbon(rings) || improve_by_moves(rings);
@@ -46,6 +47,7 @@ class RepairSearch {
   bool improve_by_moves(const EdgeRings& rings) {
     for (const Eigen::Vector3d& place : grave_places(prepared_.defects)) {
       for (const LineMove& move : line_moves(prepared_.framed, rings, place, move_radius * edge_length_)) {
+        if (tries_left_-- <= 0) return false;
         if (attempt({move}, rings)) return true;
       }
     }
@@ -64,10 +66,8 @@ class RepairSearch {
 
   // Whether the field with other matchings of some faces is sounder.
   bool attempt(FieldMesh moved, const std::vector<int>& faces) {
-    if (tries_left_-- <= 0) return false;
     settle_frames(moved, alignments_, faces);
-    PreparedField candidate =
-        judged_field(std::move(moved), prepared_.preparation, prepared_.score() - 1);
+    PreparedField candidate = judged_field(std::move(moved), prepared_.preparation, prepared_.score() - 1);
     if (candidate.score() >= prepared_.score()) return false;
     candidate.restarts = prepared_.restarts;
     candidate.preparation.line_moves = prepared_.preparation.line_moves + 1;

@@ -87,7 +87,8 @@ class Search {
     try_waiting();
   }
 
-  // Whether a field of frames was without a defect that is known.
+  // Whether a field of frames was without a defect that is known, as its frames have it: where lines had to be
+  // moved, retries on a finer mesh never gave a map.
   bool has_sound_field() const { return lowest_score_ == 0; }
 
   // Where nothing could be tried, the soundest of the fields with defects, for what it can give.
@@ -155,7 +156,7 @@ class Search {
   PreparedField prepared(const Make& make) {
     PreparedField field = steps_.run(0.0, "prepare", make);
     judged_.push_back(field.judged());
-    if (!field.preparation.is_polycube()) lowest_score_ = std::min(lowest_score_, field.score());
+    if (!field.preparation.has_matchings()) lowest_score_ = std::min(lowest_score_, field.score());
     return field;
   }
 

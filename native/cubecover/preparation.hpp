@@ -18,7 +18,9 @@ struct Preparation {
   int line_moves = 0;        // of singular lines, after the frames had been matched
 
   bool is_polycube() const { return polycube.compactness > 0; }
-  bool has_matchings() const { return is_polycube() || line_moves > 0; }  // that do not follow from the frames
+  bool has_matchings() const {
+    return is_polycube() || line_moves > 0;
+  }  // that do not follow from the frames
 };
 
 struct PreparationScore {
@@ -29,7 +31,8 @@ struct PreparationScore {
 };
 
 struct PreparedField {
-  FieldMesh framed;  // split and with its final frames and matchings, before the splits between singular lines
+  FieldMesh
+      framed;  // split and with its final frames and matchings, before the splits between singular lines
   CombedField field;
   Elimination elimination;
   ReducedMap map;

@@ -24,8 +24,8 @@ struct Turn {
   SignedAxis outwards;
 };
 
-// Rungs are edges between the two sides of a ribbon; a step crosses a face to the next rung and adds an edge to
-// one side.
+// Rungs are edges between the two sides of a ribbon; a step crosses a face to the next rung and adds an edge
+// to one side.
 class RibbonSearch {
  public:
   RibbonSearch(const FieldMesh& mesh, const EdgeRings& rings, const SingularGraph& graph)
@@ -35,7 +35,8 @@ class RibbonSearch {
         taken_(mesh.points.size(), 0),
         on_feature_(mesh.points.size(), 0) {
     for (const auto& [a, b] : mesh.features) at(on_feature_, a) = at(on_feature_, b) = 1;
-    for (const SingularEdge& edge : graph.edges) at(taken_, edge.vertices[0]) = at(taken_, edge.vertices[1]) = 1;
+    for (const SingularEdge& edge : graph.edges)
+      at(taken_, edge.vertices[0]) = at(taken_, edge.vertices[1]) = 1;
   }
 
   Ribbon cheapest(const Turn& turn) {
@@ -91,7 +92,8 @@ class RibbonSearch {
     const Eigen::Vector3d along = direction_of(at(mesh_.frames, half_face / 4), axis);
     if (at(on_boundary_, next) && (at(on_feature_, next) || !is_normal_at(next, along))) return;
     const Eigen::Vector3d side = at(mesh_.points, next) - at(mesh_.points, left);
-    const double cost = at(reached_, rung).cost + side.norm() + off_axis_cost * (side.norm() - side.dot(along)) +
+    const double cost = at(reached_, rung).cost + side.norm() +
+                        off_axis_cost * (side.norm() - side.dot(along)) +
                         rung_cost * (at(mesh_.points, next) - at(mesh_.points, kept)).norm();
     if (cost >= at(reached_, next_rung).cost) return;
     at(reached_, next_rung) = {cost, rung, half_face, half_face / 4, axis};
@@ -142,7 +144,8 @@ void add_turns(const FieldMesh& mesh, const SingularGraph& graph, const Singular
   const SingularEdge& arriving = edge_at(i - 1);
   const int towards = arriving.vertices[1] == arc.vertices[i] ? arriving.orientation : -arriving.orientation;
   SignedAxis backward{arriving.axis, towards};
-  SignedAxis forward = carried(transport_in_star(mesh, arc.vertices[i], arriving.tet, edge_at(i).tet), backward);
+  SignedAxis forward =
+      carried(transport_in_star(mesh, arc.vertices[i], arriving.tet, edge_at(i).tet), backward);
   for (std::size_t k = 0; k < turn_edges && i + k < arc.edges.size(); ++k) {
     if (k > 0)
       forward = carried(
@@ -151,8 +154,8 @@ void add_turns(const FieldMesh& mesh, const SingularGraph& graph, const Singular
   }
   for (std::size_t k = 0; k < turn_edges && k < i; ++k) {
     if (k > 0)
-      backward = carried(transport_in_star(mesh, arc.vertices[i - k], edge_at(i - k).tet, edge_at(i - k - 1).tet),
-                         backward);
+      backward = carried(
+          transport_in_star(mesh, arc.vertices[i - k], edge_at(i - k).tet, edge_at(i - k - 1).tet), backward);
     turns.push_back({edge_at(i - k - 1).ring, edge_at(i - k - 1).tet, backward});
   }
 }

@@ -31,8 +31,8 @@ std::vector<int> tets_near(const FieldMesh& mesh, const std::vector<int>& half_f
   return tets;
 }
 
-// By Newton's method for the polar decomposition, which is much faster than one by singular values; what is far
-// from any rotation stays as it was.
+// By Newton's method for the polar decomposition, which is much faster than one by singular values; what is
+// far from any rotation stays as it was.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix, const Eigen::Matrix3d& before) {
   if (!(matrix.determinant() > least_determinant)) return before;
   Eigen::Matrix3d rotation = matrix;

@@ -5,8 +5,8 @@
 
 namespace neurframe {
 
-// From the chart of tet `from` to that of tet `to`, both at the vertex.  Which way the walk takes matters only
-// by holonomies of the singular edges that end there.
+// From the chart of tet `from` to that of tet `to`, both at the vertex.  Which way the walk takes matters
+// only by holonomies of the singular edges that end there.
 OctahedralRotation transport_in_star(const FieldMesh& mesh, int vertex, int from, int to);
 
 }  // namespace neurframe

@@ -29,7 +29,8 @@ FieldMesh box_with_sheet(double y_least, double y_most, double z_least, double z
     bool inside = true;
     for (const int v : half_face_vertices(mesh.tets, h)) {
       const Eigen::Vector3d& p = at(mesh.points, v);
-      inside = inside && p.x() == 3 && p.y() >= y_least && p.y() <= y_most && p.z() >= z_least && p.z() <= z_most;
+      inside =
+          inside && p.x() == 3 && p.y() >= y_least && p.y() <= y_most && p.z() >= z_least && p.z() <= z_most;
     }
     if (inside) set_matching(mesh, h, turn_about_z);
   }
@@ -85,7 +86,8 @@ void test_grazing_end() {
 void test_empty_corner() {
   FieldMesh mesh = box({6, 6, 6});
   std::vector<int> ends;
-  for (const Eigen::Vector3d& wanted : {Eigen::Vector3d(3, 3, 6), Eigen::Vector3d(4, 3, 6), Eigen::Vector3d(4, 4, 6)}) {
+  for (const Eigen::Vector3d& wanted :
+       {Eigen::Vector3d(3, 3, 6), Eigen::Vector3d(4, 3, 6), Eigen::Vector3d(4, 4, 6)}) {
     const auto found = std::find(mesh.points.begin(), mesh.points.end(), wanted);
     ends.push_back(static_cast<int>(found - mesh.points.begin()));
   }
