@@ -87,8 +87,8 @@ class Search {
     try_waiting();
   }
 
-  // Whether a field of frames was without a defect that is known, as its frames have it: where lines had to be
-  // moved, retries on a finer mesh never gave a map.
+  // Whether a field of frames was without a defect that is known, as its frames have it: where lines had to
+  // be moved, retries on a finer mesh never gave a map.
   bool has_sound_field() const { return lowest_score_ == 0; }
 
   // Where nothing could be tried, the soundest of the fields with defects, for what it can give.
