@@ -6,6 +6,7 @@
 #include "core/fixed_point.hpp"
 #include "cubecover/boundary_defects.hpp"
 #include "cubecover/exact_map.hpp"
+#include "cubecover/node_types.hpp"
 #include "cubecover/vertex_star.hpp"
 
 namespace neurframe {
@@ -28,6 +29,8 @@ const char* name_of(Defect::Kind kind) {
       return "crooked sector";
     case Defect::Kind::empty_corner:
       return "empty corner";
+    case Defect::Kind::impossible_node:
+      return "impossible node";
     case Defect::Kind::degenerate_tet:
       return "degenerate tet";
   }
@@ -51,6 +54,8 @@ double weight_of(Defect::Kind kind) {
       return 1;
     case Defect::Kind::off_axis_edge:
       return 0;  // a short jog of a line; most maps carry a few
+    case Defect::Kind::impossible_node:
+      return 0;  // told only: where edges are jagged their valence may be misread
   }
   return 0;
 }
@@ -94,12 +99,32 @@ void add_turning_points(const CombedField& field, std::vector<Defect>& defects) 
   }
 }
 
+// The edges of valence 3 and 5 at a vertex; none where there are others.
+std::optional<NodeType> node_type(const SingularGraph& graph, int vertex) {
+  NodeType type = {0, 0};
+  for (const int e : at(graph.edges_of_vertex, vertex)) {
+    const int valence = at(graph.edges, e).valence;
+    if (valence != 3 && valence != 5) return {};
+    ++(valence == 3 ? type.first : type.second);
+  }
+  return type;
+}
+
+void add_impossible_nodes(const CombedField& field, std::vector<Defect>& defects) {
+  for (const int node : field.singular.nodes) {
+    const std::optional<NodeType> type = node_type(field.singular, node);
+    if (type && !is_node_type(*type))
+      defects.push_back({Defect::Kind::impossible_node, at(field.mesh.points, node)});
+  }
+}
+
 }  // namespace
 
 std::vector<Defect> field_defects(const CombedField& field) {
   std::vector<Defect> defects;
   add_edge_defects(field, defects);
   add_turning_points(field, defects);
+  add_impossible_nodes(field, defects);
   add_boundary_defects(field, defects);
   return defects;
 }

@@ -11,8 +11,8 @@ namespace neurframe {
 
 namespace {
 
-constexpr int repair_budget = 200000;  // tets that moves across single faces may prepare again
-constexpr double move_radius = 1.5;    // mean edge lengths
+constexpr int repair_budget = 60000;  // tets that moves across single faces may prepare again
+constexpr double move_radius = 1.5;   // mean edge lengths
 
 class RepairSearch {
  public:

@@ -64,6 +64,12 @@ bool is_hopeless(std::size_t failed_tets, const FieldMesh& mesh) {
   return static_cast<double>(failed_tets) > hopeless_share * mesh.tet_count();
 }
 
+// It is in the shape of the solid: no other frames and no moves of lines give it room.
+bool has_empty_corner(const PreparedField& prepared) {
+  return std::any_of(prepared.defects.begin(), prepared.defects.end(),
+                     [](const Defect& defect) { return defect.kind == Defect::Kind::empty_corner; });
+}
+
 // Tries one preparation after the other until a map is valid, and keeps the best one.
 class Search {
  public:
@@ -82,7 +88,7 @@ class Search {
     const auto soundest = std::min_element(
         waiting_.begin(), waiting_.end(),
         [](const PreparedField& a, const PreparedField& b) { return a.score() < b.score(); });
-    if (!is_hopeless(soundest->defects.size(), soundest->framed))
+    if (!is_hopeless(soundest->defects.size(), soundest->framed) && !has_empty_corner(*soundest))
       *soundest = prepared([&] { return with_line_repairs(with_local_restarts(std::move(*soundest))); });
     try_waiting();
   }

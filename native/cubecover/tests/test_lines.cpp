@@ -11,15 +11,15 @@
 namespace neurframe {
 namespace {
 
-constexpr int turn_about_z_index() {
+constexpr int turn_index(int axis) {
   for (int i = 0; i < OctahedralRotation::count; ++i) {
     const OctahedralRotation rotation(i);
-    if (rotation.fixed_axis() == 2 && rotation.quarter_turn_sign() == 1) return i;
+    if (rotation.fixed_axis() == axis && rotation.quarter_turn_sign() == 1) return i;
   }
   return -1;
 }
 
-constexpr OctahedralRotation turn_about_z(turn_about_z_index());
+constexpr OctahedralRotation turn_about_z(turn_index(2));
 
 // The faces in the plane x = 3 inside a rectangle turn about z: so do the edges round the rectangle.
 FieldMesh box_with_sheet(double y_least, double y_most, double z_least, double z_most) {
@@ -33,6 +33,23 @@ FieldMesh box_with_sheet(double y_least, double y_most, double z_least, double z
           inside && p.x() == 3 && p.y() >= y_least && p.y() <= y_most && p.z() >= z_least && p.z() <= z_most;
     }
     if (inside) set_matching(mesh, h, turn_about_z);
+  }
+  return mesh;
+}
+
+constexpr OctahedralRotation turn_about_x(turn_index(0));
+
+// A line along z and one along x that meet in the middle of the box.
+FieldMesh box_with_node() {
+  FieldMesh mesh = box_with_sheet(3, 6, 0, 6);
+  for (int h = 0; h < mesh.half_face_count(); ++h) {
+    if (at(mesh.twin, h) < 0 || area_vector(mesh, h).normalized().z() < 0.99) continue;
+    const auto corners = half_face_vertices(mesh.tets, h);
+    if (std::all_of(corners.begin(), corners.end(), [&](int v) {
+          const Eigen::Vector3d& p = at(mesh.points, v);
+          return p.z() == 3 && p.y() <= 3;
+        }))
+      set_matching(mesh, h, turn_about_x);
   }
   return mesh;
 }
@@ -74,6 +91,23 @@ void test_jog_is_no_turning_point() {
   for (const SingularArc& arc : field.singular.arcs) {
     for (const int e : arc.edges) CHECK(at(field.singular.edges, e).valence == arc.valence);
   }
+}
+
+// With the valences of its four edges set by hand: two lines of valence 3 may cross, and so may two of 5.
+void test_impossible_nodes() {
+  CombedField field = comb_field(box_with_node());
+  CHECK(field.singular.nodes.size() == 1);
+  const auto told = [&](const std::vector<int>& valences) {
+    const std::vector<int>& around = at(field.singular.edges_of_vertex, field.singular.nodes.front());
+    CHECK(around.size() == valences.size());
+    for (std::size_t i = 0; i < around.size(); ++i) at(field.singular.edges, around[i]).valence = valences[i];
+    return count(field_defects(field), Defect::Kind::impossible_node);
+  };
+  CHECK(told({3, 3, 3, 3}) == 0);
+  CHECK(told({5, 5, 5, 5}) == 0);
+  CHECK(told({3, 3, 3, 5}) == 1);
+  CHECK(told({3, 3, 3, 6}) == 0);  // other valences are not judged
+  CHECK(weight_of(Defect::Kind::impossible_node) == 0);
 }
 
 // The line arrives at a side of the box across its axis, which lies in that side.
@@ -153,6 +187,7 @@ int main() {
   neurframe::test_straight_lines();
   neurframe::test_turn_is_one_turning_point();
   neurframe::test_jog_is_no_turning_point();
+  neurframe::test_impossible_nodes();
   neurframe::test_grazing_end();
   neurframe::test_empty_corner();
   neurframe::test_removal();
