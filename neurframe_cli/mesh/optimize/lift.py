@@ -26,15 +26,15 @@ from neurframe_cli.mesh.optimize.near_surface import NearSurface, Placed
 
 GOOD = 0.5  # scaled Jacobian; better hexes are left alone
 BAND = 0.15  # above the worst one: what is lifted at once
-RINGS = 2  # of hexes that move with poor ones
-POWER = 8.0  # of the energy of a corner
+# rings of hexes that move with poor ones, and power of a corner's energy: the next where one helps no more
+WAYS = ((2, 8.0), (1, 16.0), (3, 16.0))
 ROUNDS, STEPS = 12, 20  # at most, and L-BFGS iterations in each
 LEAST_GAIN = 2e-3  # of the worst scaled Jacobian in a round
 WORTH_A_FEATURE = 0.25  # worst scaled Jacobian, below which features let go
 FEATURES_GAIN = 0.03  # of the worst one, for that
 RELEASES = 4
 # of the limit of the distance: hexes all at it may be beyond it by other samples
-CLOSER = 0.8
+CLOSER = 0.9
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,9 @@ class Lifted:
 
 def lifted(near: NearSurface, placed: Placed, surface: Surface, may_release: bool) -> Lifted:
     """Hexes whose worst ones are better, no face being farther away than the limit; `may_release`: features may let go
-    of the vertices of poor corners."""
+    of the vertices of poor corners.  A mesh that is too far from the surface stays as it is: it is given up."""
+    if placed.away > near.limit:
+        return Lifted(placed, 0)
     near = replace(near, limit=CLOSER * near.limit)
     placed = _raised(near, placed)
     released = 0
@@ -66,16 +68,15 @@ def lifted(near: NearSurface, placed: Placed, surface: Surface, may_release: boo
 
 
 def _raised(near: NearSurface, placed: Placed) -> Placed:
-    """Rounds until the worst hex gains nothing more."""
+    """Rounds until the worst hex gains nothing more, however many move with it."""
+    idle = 0
     for _ in range(ROUNDS):
         poor = placed.state.quality < _aim(placed)
-        if not poor.any():
+        if not poor.any() or idle == len(WAYS):
             break
-        better = near.moved(placed, _goal(near, placed, poor))
-        gain = better.worst - placed.worst
+        better = near.moved(placed, _goal(near, placed, poor, *WAYS[idle]))
+        idle = 0 if better.worst > placed.worst + LEAST_GAIN else idle + 1
         placed = better
-        if gain < LEAST_GAIN:
-            break
     return placed
 
 
@@ -83,14 +84,15 @@ def _aim(placed: Placed) -> float:
     return min(GOOD, placed.worst + BAND)
 
 
-def _goal(near: NearSurface, placed: Placed, poor: Bools) -> Floats:
-    """Positions (n,3) with better `poor` hexes (c,); a vertex that is away from its place stays as far away."""
+def _goal(near: NearSurface, placed: Placed, poor: Bools, rings: int, power: float) -> Floats:
+    """Positions (n,3) with better `poor` hexes (c,), for which so many rings of hexes round them move, too; a vertex
+    that is away from its place stays as far away."""
     x, constraints = placed.state.x, near.improver.constraints
-    moving, energy = _energy_around(near, placed, poor)
+    moving, energy = _energy_around(near, placed, poor, rings)
     foot = constraints.project(x)
 
     def held(y: Floats) -> tuple[float, Floats]:
-        value, gradient = energy.evaluate(y, None, EnergyWeights(0.0, POWER, 0.0))
+        value, gradient = energy.evaluate(y, None, EnergyWeights(0.0, power, 0.0))
         gradient = constraints.tangential(gradient, foot.directions)
         return value, np.where(moving, gradient, 0.0)
 
@@ -98,11 +100,11 @@ def _goal(near: NearSurface, placed: Placed, poor: Bools) -> Floats:
     return np.asarray(np.where(moving, constraints.project(new).points + x - foot.points, x))
 
 
-def _energy_around(near: NearSurface, placed: Placed, poor: Bools) -> tuple[Bools, CornerEnergy]:
+def _energy_around(near: NearSurface, placed: Placed, poor: Bools, rings: int) -> tuple[Bools, CornerEnergy]:
     """The vertices (n,1) that move, and the energy of all hexes that have one, which their edges' lengths minimise."""
     H, x = near.improver.cells, placed.state.x
     chosen = poor
-    for _ in range(RINGS):
+    for _ in range(rings):
         chosen = np.asarray(np.isin(H, H[chosen]).any(axis=1))
     moving = np.zeros(len(x), bool)
     moving[H[chosen]] = True
