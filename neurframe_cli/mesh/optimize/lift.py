@@ -26,9 +26,10 @@ from neurframe_cli.mesh.optimize.near_surface import NearSurface, Placed
 
 GOOD = 0.5  # scaled Jacobian; better hexes are left alone
 BAND = 0.15  # above the worst one: what is lifted at once
-# rings of hexes that move with poor ones, and power of a corner's energy: the next where one helps no more
-WAYS = ((2, 8.0), (1, 16.0), (3, 16.0))
-ROUNDS, STEPS = 12, 20  # at most, and L-BFGS iterations in each
+# rings of hexes that move with poor ones, power of a corner's energy, L-BFGS iterations: the next where one helps no
+# more; short steps where long ones end too far from the surface
+WAYS = ((2, 8.0, 20), (1, 16.0, 20), (3, 16.0, 20), (1, 16.0, 3))
+ROUNDS = 16  # at most
 LEAST_GAIN = 2e-3  # of the worst scaled Jacobian in a round
 WORTH_A_FEATURE = 0.25  # worst scaled Jacobian, below which features let go
 FEATURES_GAIN = 0.03  # of the worst one, for that
@@ -84,7 +85,7 @@ def _aim(placed: Placed) -> float:
     return min(GOOD, placed.worst + BAND)
 
 
-def _goal(near: NearSurface, placed: Placed, poor: Bools, rings: int, power: float) -> Floats:
+def _goal(near: NearSurface, placed: Placed, poor: Bools, rings: int, power: float, steps: int) -> Floats:
     """Positions (n,3) with better `poor` hexes (c,), for which so many rings of hexes round them move, too; a vertex
     that is away from its place stays as far away."""
     x, constraints = placed.state.x, near.improver.constraints
@@ -96,7 +97,7 @@ def _goal(near: NearSurface, placed: Placed, poor: Bools, rings: int, power: flo
         gradient = constraints.tangential(gradient, foot.directions)
         return value, np.where(moving, gradient, 0.0)
 
-    new = minimise(held, x, energy.scale, LbfgsOptions(iterations=STEPS))[0]
+    new = minimise(held, x, energy.scale, LbfgsOptions(iterations=steps))[0]
     return np.asarray(np.where(moving, constraints.project(new).points + x - foot.points, x))
 
 
