@@ -35,7 +35,7 @@ WORTH_A_FEATURE = 0.25  # worst scaled Jacobian, below which features let go
 FEATURES_GAIN = 0.03  # of the worst one, for that
 RELEASES = 4
 # of the limit of the distance: hexes all at it may be beyond it by other samples
-CLOSER = 0.9
+CLOSER = 0.8
 
 
 @dataclass(frozen=True)
