@@ -4,7 +4,8 @@ The corner energy of a mesh is a sum over all its corners: a few poor ones weigh
 it asks for as well may be what makes them poor.  Here only hexes near poor ones move, and the targets are the lengths
 that their edges have: the columns of S are then unit vectors, and each corner's energy is D^(-2/3), a function of its
 scaled Jacobian D alone, to first order.  A high power of it is nearly the worst corner's.  The targets follow the edges
-from round to round.
+from round to round, but not far from what smoothing wants: a hex with two faces on one rounded edge would become a
+chamfer.
 
 Where that does not help, a corner of a hex is held flat by a feature curve that runs along two of its edges, or by two
 curves: these let go of its vertex, one corner after the other, only for what a hex gains by it.
@@ -30,6 +31,7 @@ BAND = 0.15  # above the worst one: what is lifted at once
 # more; short steps where long ones end too far from the surface
 WAYS = ((2, 8.0, 20), (1, 16.0, 20), (3, 16.0, 20), (1, 16.0, 3))
 ROUNDS = 16  # at most
+STRETCH = 2.0  # times the lengths that smoothing wants: targets beyond would let a corner open by a huge hex
 LEAST_GAIN = 2e-3  # of the worst scaled Jacobian in a round
 WORTH_A_FEATURE = 0.25  # worst scaled Jacobian, below which features let go
 FEATURES_GAIN = 0.03  # of the worst one, for that
@@ -102,16 +104,20 @@ def _goal(near: NearSurface, placed: Placed, poor: Bools, rings: int, power: flo
 
 
 def _energy_around(near: NearSurface, placed: Placed, poor: Bools, rings: int) -> tuple[Bools, CornerEnergy]:
-    """The vertices (n,1) that move, and the energy of all hexes that have one, which their edges' lengths minimise."""
+    """The vertices (n,1) that move, and the energy of all hexes that have one, whose targets are the lengths of their
+    edges, or near those that smoothing wants."""
     H, x = near.improver.cells, placed.state.x
     chosen = poor
     for _ in range(rings):
         chosen = np.asarray(np.isin(H, H[chosen]).any(axis=1))
     moving = np.zeros(len(x), bool)
     moving[H[chosen]] = True
-    corners = H[moving[H].any(axis=1)][:, HEXES.corners].reshape(-1, 4)
+    near_by = np.flatnonzero(moving[H].any(axis=1))
+    corners = H[near_by][:, HEXES.corners].reshape(-1, 4)
     lengths = np.linalg.norm(x[corners[:, 1:]] - x[corners[:, :1]], axis=2)
-    return moving[:, None], CornerEnergy(len(x), corners[:, 0], corners[:, 1:], np.maximum(lengths, 1e-300))
+    wanted = near.improver.energy.lengths.reshape(len(H), -1, 3)[near_by].reshape(-1, 3)
+    targets = np.clip(lengths, wanted / STRETCH, wanted * STRETCH)
+    return moving[:, None], CornerEnergy(len(x), corners[:, 0], corners[:, 1:], targets)
 
 
 def _held_at_poor_corners(near: NearSurface, placed: Placed) -> Ints:
