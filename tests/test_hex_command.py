@@ -149,11 +149,13 @@ def test_a_grid_takes_the_place_of_hexes_that_do_not_pass(
     def none_passes(*arguments: Any) -> FinishedHexes:
         if not extracted:
             raise NotValid("no hex mesh could be extracted from the map")
-        return replace(finish_hexes(*arguments), problems=("too round",))
+        made = finish_hexes(*arguments)
+        return replace(made, V=made.V + np.array([0.0, 0.0, 0.1]), problems=("too round",))
 
     monkeypatch.setattr(hex_maps, "finish_hexes", none_passes)
     size = element_size(None, float(np.ptp(V[:, 0])) / 3, None, 30.0)
-    record = run_stage(workspace, hex_step(workspace, request(size, HexOptions())), silent).record
+    asked = replace(request(size, HexOptions()), pictures=True)
+    record = run_stage(workspace, hex_step(workspace, asked), silent).record
     assert any("regular grid" in warning for warning in record.warnings)
     # three cells along each edge, and a layer on all six sides
     assert record.report["mesh"]["cells"] == 3**3 + 6 * 3**2
@@ -161,6 +163,12 @@ def test_a_grid_takes_the_place_of_hexes_that_do_not_pass(
     assert [attempt["finer"] for attempt in record.report["grid"]] == [1.0]
     assert (workspace / "map.hexex").exists()
     assert ("of_the_map" in record.report) == extracted
+    # where the hexes of the map were too far from the surface: above and below, by the tenth that they were moved
+    assert (workspace / "hex-trouble.png").exists() == extracted
+    if extracted:
+        heights = np.array(record.report["far_places"]["places"])[:, 2]
+        assert record.report["far_places"]["count"] >= len(heights) > 0
+        assert np.abs(heights - V[:, 2].mean()).max() > 0.4 * np.ptp(V[:, 2])
     assert any("too round" in warning for warning in record.warnings) == extracted
 
 

@@ -16,6 +16,7 @@ from neurframe_cli.errors import NotEnoughMemory, NotValid, StageError
 from neurframe_cli.field.fra import frame_count
 from neurframe_cli.mesh.arrays import Floats, Ints, Progress, part, silent
 from neurframe_cli.mesh.finer_map import write_finer_map
+from neurframe_cli.mesh.hex_shell import hex_shell
 from neurframe_cli.mesh.read_cells import CellMesh
 from neurframe_cli.pipeline.atomic import atomic_path, scratch_folder
 from neurframe_cli.pipeline.discretize_step import FRAMES_FRA
@@ -25,11 +26,13 @@ from neurframe_cli.pipeline.native import ProgramResult, run_program
 from neurframe_cli.pipeline.runner import StageContext
 from neurframe_cli.pipeline.tetize_step import FEATURES, TETS
 from neurframe_cli.stages.finish_hexes import FinishedHexes, FinishOptions, finish_hexes
-from neurframe_cli.stages.grid_hexes import GridHexes, GridOptions, grid_hexes
+from neurframe_cli.stages.grid_hexes import GridHexes, GridOptions, far_places, grid_hexes
+from neurframe_cli.stages.smooth_hexes import HEX_OPTIONS
 
 MOST_MAPS = 2  # whose hexes are finished; each takes as long as the first one
 # bounding-box diagonals; where the best map's hexes are farther away another map's are not tried
 FAR_OFF = 0.02
+MOST_PLACES = 200  # in a report; more tell no more
 POLYCUBE = "the learned field carries no map here: the hexes follow a polycube, without singular lines inside"
 
 
@@ -65,9 +68,7 @@ def mapped_hexes(
     if not made.finished.fine:
         grid = maker.instead_of(made.finished)
         if grid is not None:
-            cells = CellMesh("hex", grid.V, grid.cells)
-            report = {**grid.report, "of_the_map": made.finished.report}
-            return MadeMesh(cells, made.parametrization, made.extraction, report)
+            return maker.replaced_by(grid, made)
         if made.finished.given_up:
             made = maker.hexes(best, maker.map_file, part(context.progress, 0.95, 1.0), give_up=False)
     finished = made.finished
@@ -119,6 +120,18 @@ class _HexMaker:
         least = 0.0 if finished.problems else worst
         which = "as the map gives them, its hexes" if finished.given_up else "the hexes of the best map"
         return self.on_grid(f"{which} are refused ({why})", least)
+
+    def replaced_by(self, grid: GridHexes, made: _Hexes) -> MadeMesh:
+        """The hexes of the grid, with those of the map that it replaces, and where these are away from the surface."""
+        finished, surface = made.finished, self.model.surface
+        far = far_places(finished.V, hex_shell(finished.cells).quads, surface, HEX_OPTIONS)
+        report = {
+            **grid.report,
+            "of_the_map": finished.report,
+            "far_places": {"count": len(far), "places": far[:MOST_PLACES].tolist()},
+        }
+        cells, replaced = (CellMesh("hex", hexes.V, hexes.cells) for hexes in (grid, finished))
+        return MadeMesh(cells, made.parametrization, made.extraction, report, replaced)
 
     def on_grid(self, why: str, least: float) -> GridHexes | None:
         """Hexes of a grid whose worst scaled Jacobian is above `least`, with the reason `why` in a warning; None where

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from neurframe_cli.mesh.quality.check import Verdict
 from neurframe_cli.mesh.read_surface import read_surface
 from neurframe_cli.picture.mesh_data import MeshData
 from neurframe_cli.pipeline.discretize_step import FRAMES_FRA
@@ -35,17 +36,22 @@ def _make(context: StageContext, inputs: Mapping[str, Path], model: Model, reque
 
 
 def _complete(
-    context: StageContext, inputs: Mapping[str, Path], made: MadeMesh, request: MeshRequest
+    context: StageContext,
+    inputs: Mapping[str, Path],
+    made: MadeMesh,
+    request: MeshRequest,
+    verdict: Verdict,
 ) -> dict[str, Any]:
-    """A picture of where and why the hexes are not valid, and the filled mesh where it was asked for."""
-    if request.pictures:
+    """A picture of where and why the hexes are not valid, or those of the map that a grid replaced; and the filled mesh
+    where the hexes are not valid and it was asked for."""
+    shown = made.replaced or (None if verdict.valid else made.cells)
+    if request.pictures and shown is not None:
         places = {
             f"{defect['count']} {defect['what']}": np.array(defect["places"], np.float64).reshape(-1, 3)
-            for defect in defects_of(made.statistics)
+            for defect in defects_of({**made.statistics, **made.report})
         }
-        data = MeshData(made.cells.V, made.cells.cells, places)
-        draw_or_warn(context, {"hexes_trouble": TROUBLE_PICTURE}, data)
-    if not request.hexes.fill:
+        draw_or_warn(context, {"hexes_trouble": TROUBLE_PICTURE}, MeshData(shown.V, shown.cells, places))
+    if verdict.valid or not request.hexes.fill:
         return {}
     return {"filled": fill_step(context, inputs, made.cells, request.limits, pictures=request.pictures)}
 
@@ -53,7 +59,7 @@ def _complete(
 TROUBLE_PICTURE = "hex-trouble.png"
 HEX = MeshKind(
     name="hex",
-    version=6,
+    version=7,
     map_name="map.hexex",
     outputs=("hex.vtk", "hex.mesh"),
     extractor="hexex",

@@ -48,12 +48,14 @@ class Model:
 @dataclass(frozen=True)
 class MadeMesh:
     """A mesh before it is written: what the two programs said, and what else belongs into the report; extraction: None
-    where nothing could be extracted, and the mesh was made in another way."""
+    where nothing could be extracted, and the mesh was made in another way; replaced: cells of the map that this mesh
+    is made instead of."""
 
     cells: CellMesh
     parametrization: ProgramResult
     extraction: ProgramResult | None
     report: Mapping[str, Any]
+    replaced: CellMesh | None = None
 
     @property
     def statistics(self) -> dict[str, Any]:
@@ -64,12 +66,16 @@ class MadeMesh:
 
 # make(context, inputs, model, request)
 Maker = Callable[[StageContext, Mapping[str, Path], Model, MeshRequest], MadeMesh]
-# complete(context, inputs, mesh, request): what else is made of a mesh that is not valid, and its report
-Completer = Callable[[StageContext, Mapping[str, Path], MadeMesh, MeshRequest], dict[str, Any]]
+# complete(context, inputs, mesh, request, verdict): what else is made where not all is well, and its report
+Completer = Callable[[StageContext, Mapping[str, Path], MadeMesh, MeshRequest, Verdict], dict[str, Any]]
 
 
 def nothing_more(
-    context: StageContext, inputs: Mapping[str, Path], made: MadeMesh, request: MeshRequest
+    context: StageContext,
+    inputs: Mapping[str, Path],
+    made: MadeMesh,
+    request: MeshRequest,
+    verdict: Verdict,
 ) -> dict[str, Any]:
     """A mesh that is not valid is left as it is."""
     return {}
@@ -111,7 +117,7 @@ def mesh_step(
         verdict = _write(kind, context, made.cells, surface, features)
         if request.pictures:
             draw_or_warn(context, kind.pictures, MeshData(made.cells.V, made.cells.cells))
-        more = {} if verdict.valid else kind.complete(context, inputs, made, request)
+        more = kind.complete(context, inputs, made, request, verdict)
         context.invalid = _what_is_wrong(kind, made, verdict)
         return {
             **made.statistics,

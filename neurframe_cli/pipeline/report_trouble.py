@@ -33,7 +33,8 @@ def troubles(manifest: Manifest) -> list[dict[str, Any]]:
 
 
 def defects_of(report: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """What the two programs of a mesh stage found wrong with its map and its cells: `what`, `count`, `places`."""
+    """What the two programs of a mesh stage found wrong with its map and its cells, and where cells of a map that were
+    replaced are away from the surface: `what`, `count`, `places`."""
     parametrization = _table(report, "parametrization")
     for group in ("defects", "map"):
         for what, entry in _table(parametrization, group).items():
@@ -43,6 +44,9 @@ def defects_of(report: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     for key, name in _QUAD_PLACES.items():
         if places := parametrization.get(f"{key}_at"):
             yield _defect(name, len(places), places)
+    if (far := _table(report, "far_places")).get("count"):
+        name = "places of the surface that the hexes of the map are too far from"
+        yield _defect(name, far["count"], far.get("places"))
     lost = _table(_table(report, "extraction"), "lost_cells")
     if lost.get("total"):
         places = [entry.get("at") for entry in lost.get("places") or [] if isinstance(entry, dict)]

@@ -37,6 +37,8 @@ SEVERAL_CHOICES = 2.0  # times finer; beyond, only the first choice of cells is 
 SPLITS = 2  # of the cells in places where the hexes are too far from the surface
 MOST_GROWTH = 2.5  # times as many cells for that; beyond, a finer grid is as good
 HALVED = 4.0  # limits of the distance, which edges half as long bring down by so much at best
+# of the surface's volume; a thin plate may be within the limit of the distance and a quarter too thick
+MOST_VOLUME_ERROR = 0.06
 MARGIN = 0.9  # of the limit that a mesh has to keep: a staircase bends many quads, which samples do not see as they are
 
 
@@ -57,16 +59,27 @@ class GridOptions:
 
 @dataclass(frozen=True)
 class GridHexes:
-    """V (n,3), cells (h,8); worst: their least scaled Jacobian; finer: times as many cells along each edge as asked
-    for; split: how often cells are halved where the hexes were too far from the surface; report: what smoothing did,
-    and every grid tried."""
+    """V (n,3), cells (h,8); worst: their least scaled Jacobian; volume_ratio: to that of the surface; finer: times as
+    many cells along each edge as asked for; split: how often cells are halved where the hexes were too far from the
+    surface; report: what smoothing did, and every grid tried."""
 
     V: Floats
     cells: Ints
     worst: float
+    volume_ratio: float
     finer: float
     split: int
     report: dict[str, Any]
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """The larger, the better."""
+        return abs(self.volume_ratio - 1.0) <= MOST_VOLUME_ERROR, self.worst
+
+    @property
+    def fine(self) -> bool:
+        """Whether no finer grid is needed."""
+        return self.rank > (True, BAD)
 
 
 def grid_hexes(
@@ -77,7 +90,7 @@ def grid_hexes(
     progress: Progress = silent,
 ) -> GridHexes:
     """The hexes of the coarsest grid with cells of `edge_length` or less whose hexes pass the check; those with a hex
-    that is all but inverted only where there are no better ones.
+    that is all but inverted, or with another volume than the surface, only where there are no better ones.
 
     Raises NotValid, which says what was the matter with each, where none does.
     """
@@ -89,7 +102,7 @@ def grid_hexes(
         for split in range(SPLITS + 1):
             within = part(steps, split / (SPLITS + 1), (split + 1) / (SPLITS + 1))
             grid = trials.attempt(grid, finer, split, within) if grid is not None else None
-        if trials.found is not None and trials.found.worst > BAD:
+        if trials.found is not None and trials.found.fine:
             break
     if trials.found is None:
         raise NotValid(f"no grid of cells gives hexes that pass: {trials.told()}")
@@ -129,18 +142,24 @@ class _Trials:
         return self._finer_where_far(grid, *min(sound, key=lambda made: made[0].report.after.hausdorff))
 
     def _passes(self, smoothed: SmoothedMesh, H: Ints, finer: float, split: int) -> bool:
-        """Whether the hexes pass; kept if they are the best so far."""
+        """Whether the hexes pass, and are fine; kept if they are the best so far."""
         verdict = check_hexes(smoothed.V, H, self.surface, self.features, self.options.check)
         refused = None if verdict.valid else ", ".join(verdict.problems)
         smoothing = asdict(smoothed.report)
         self.tried.append(
             {"finer": finer, "split": split, "refused": refused, "cells": len(H), "smoothing": smoothing}
         )
-        worst = smoothed.report.after.min_scaled_jacobian
-        if verdict.valid and (self.found is None or worst > self.found.worst):
-            report = {"smoothing": smoothing, "grid": self.tried}
-            self.found = GridHexes(smoothed.V, H, worst, finer, split, report)
-        return verdict.valid
+        if not verdict.valid:
+            return False
+        worst, volume = smoothed.report.after.min_scaled_jacobian, float(verdict.numbers["volume_ratio"])
+        self.tried[-1]["volume_ratio"] = volume
+        report = {"smoothing": smoothing, "grid": self.tried}
+        made = GridHexes(smoothed.V, H, worst, volume, finer, split, report)
+        if self.found is None or made.rank > self.found.rank:
+            self.found = made
+            for attempt in self.tried:
+                attempt["kept"] = attempt is self.tried[-1]
+        return made.fine
 
     def _finer_where_far(self, grid: Grid, smoothed: SmoothedMesh, H: Ints) -> Grid | None:
         """The grid with more planes where the hexes are too far from the surface; None where that is everywhere, or

@@ -80,6 +80,11 @@ class CornerEnergy:
         stiffness = np.bincount(self._vertices.ravel(), squares.ravel(), minlength=n).reshape(-1, 1)
         self.scale: Floats = 1.0 / np.maximum(stiffness, stiffness.max() * 1e-9)
 
+    @property
+    def lengths(self) -> Floats:
+        """The target lengths (m,d)."""
+        return np.asarray(1.0 / self._inverse)
+
     def evaluate(self, x: Floats, normals: Floats | None, weights: EnergyWeights) -> tuple[float, Floats]:
         """Energy and its gradient (n,3) at x; inf where a corner is inverted and ε = 0, or past float range."""
         places, sides = self._checked(x), self._checked_normals(normals, self.corners)

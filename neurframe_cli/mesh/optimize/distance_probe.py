@@ -8,9 +8,13 @@ from functools import cached_property
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Bools, Floats, Ints, Surface
+from neurframe_cli.mesh.measure import surface_area
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
 from neurframe_cli.mesh.quality.distance import sample_surface
 from neurframe_cli.mesh.quality.polygons import triangulated
+from neurframe_cli.mesh.surface_edges import surface_edges
+
+SHARP_DEG = 30.0  # an edge that bends by more gets samples of its own
 
 
 @dataclass(frozen=True)
@@ -32,12 +36,16 @@ class Distances:
 
 
 class DistanceProbe:
-    """The same samples each time: `points`, which are `samples` random points and the vertices of the surface, against
-    the triangulated faces (f,4); their corners, edge midpoints and centroids against the surface."""
+    """The same samples each time: `points`, which are `samples` random points, the vertices of the surface and places
+    along its sharp edges, where a mesh that does not follow them is farthest away, against the triangulated faces
+    (f,4); their corners, edge midpoints and centroids against the surface."""
 
     def __init__(self, faces: Ints, surface: Surface, samples: int, rng: np.random.Generator) -> None:
         self.faces, self.triangles = faces, triangulated(faces)
-        self.points = np.concatenate([surface.V[np.unique(surface.F)], sample_surface(surface, samples, rng)])
+        spread = sample_surface(surface, samples, rng)
+        self.points = np.concatenate(
+            [surface.V[np.unique(surface.F)], _on_sharp_edges(surface, samples), spread]
+        )
         self.tree = SimplexTree(surface.V, surface.F)
 
     def measure(self, x: Floats, known: Distances | None = None) -> Distances:
@@ -86,6 +94,18 @@ class DistanceProbe:
         tree = SimplexTree(x, self.triangles[np.tile(chosen, 2)])
         distance, triangle = tree.nearest(points)
         return distance, members[triangle % len(members)]
+
+
+def _on_sharp_edges(surface: Surface, samples: int) -> Floats:
+    """Points (k,3) along edges that bend by SHARP_DEG, a quarter as far from each other as `samples` on the surface."""
+    found = surface_edges(surface.V, surface.F)
+    edges = found.edges[found.angles_deg > SHARP_DEG]
+    a, b = surface.V[edges[:, 0]], surface.V[edges[:, 1]]
+    spacing = 0.25 * np.sqrt(surface_area(surface.V, surface.F) / samples)
+    count = np.ceil(np.linalg.norm(b - a, axis=1) / spacing).astype(np.int64)
+    edge = np.repeat(np.arange(len(edges)), count)
+    along = (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count) + 0.5) / count[edge]
+    return np.asarray(a[edge] + along[:, None] * (b - a)[edge])
 
 
 class BothDiagonals(DistanceProbe):

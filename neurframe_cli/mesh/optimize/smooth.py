@@ -161,6 +161,8 @@ def _finished_hexes(
     """The poorest hexes made better, features letting go of them where that is needed, and the vertices in place; with
     the number of vertices let go.  Round voids nothing lets go: their boundary is pinned, too, and must stay."""
     released = 0
+    if soft_first:
+        placed = lifted(near, placed, surface, may_release=False).placed
     if not voids:
         release = released_of_soft if soft_first else released_round_bad
         placed, released = release(near, placed, surface)
