@@ -50,7 +50,8 @@ class Lifted:
 
 def lifted(near: NearSurface, placed: Placed, surface: Surface, may_release: bool) -> Lifted:
     """Hexes whose worst ones are better, no face that moves being farther away than 0.8 of the limit; `may_release`:
-    features may let go of the vertices of poor corners.  A mesh that is too far from the surface stays as it is: it is given up."""
+    features may let go of the vertices of poor corners.  A mesh that is too far from the surface stays as it is: it is
+    given up."""
     if placed.away > near.limit:
         return Lifted(placed, 0)
     near = replace(near, limit=CLOSER * near.limit)
