@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import contextlib
 import os
 import sys
 
@@ -10,14 +12,29 @@ INTERRUPTED = 130
 
 def main() -> None:
     """Run the command line and leave with the documented exit code."""
+    codes: list[int] = []
+    atexit.register(_end_interrupted, codes)  # what is registered first is called last
     _open_standard_streams()
     try:
         from neurframe_cli.cli.main import run_command_line
 
-        code = run_command_line(sys.argv[1:])
+        codes.append(run_command_line(sys.argv[1:]))
     except KeyboardInterrupt:  # while the program was being loaded, or a second one while it was ending
-        code = INTERRUPTED
-    sys.exit(code)
+        codes.append(INTERRUPTED)
+    sys.exit(codes[-1])
+
+
+def _end_interrupted(codes: list[int]) -> None:
+    """Leaves with INTERRUPTED where that is the last code.
+
+    An interpreter in which a Ctrl-C came out of exec or eval of a text (a named tuple is made by one) remembers
+    that, whoever has caught it: at the end of `python -m` it sends SIGINT to itself instead of leaving with the code.
+    """
+    if codes[-1:] == [INTERRUPTED]:
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(OSError, ValueError):
+                stream.flush()
+        os._exit(INTERRUPTED)
 
 
 def _open_standard_streams() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -176,3 +177,29 @@ def test_of_two_runs_in_one_workspace_one_is_refused(staged: dict[str, Path], tm
     wait_for(lambda: is_gone(int((tmp_path / "pid").read_text())))
     assert neurframe(*words("hex", workspace)).code == 0
     assert_same("hex", workspace, staged["done"])
+
+
+INTERRUPTED_TEXT = """
+import neurframe_cli.cli.main as command_line
+from neurframe_cli.__main__ import main
+
+def interrupted(arguments):
+    try:
+        exec("import os, signal, time; os.kill(os.getpid(), signal.SIGINT); time.sleep(60)", {})
+    except KeyboardInterrupt:
+        print("caught")
+        return 130
+
+command_line.run_command_line = interrupted
+main()
+"""
+
+
+def test_the_exit_code_is_130_where_the_signal_came_in_the_exec_of_a_text(tmp_path: Path) -> None:
+    (tmp_path / "interrupted_text.py").write_text(INTERRUPTED_TEXT)
+    environment = clean_environment()
+    environment["PYTHONPATH"] = os.pathsep.join(filter(None, [str(tmp_path), environment.get("PYTHONPATH")]))
+    ended = subprocess.run(
+        [sys.executable, "-m", "interrupted_text"], env=environment, capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stdout) == (Cancelled.exit_code, "caught\n")

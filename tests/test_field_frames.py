@@ -103,3 +103,12 @@ def test_degenerate_vectors():
     assert projection.distance[0] ** 2 == pytest.approx(2 - 2 * ALIGNED)
     assert np.isfinite(projection.frames).all()
     assert nearest_frames(np.zeros((0, 9))).frames.shape == (0, 3, 3)
+
+
+def test_no_frame_depends_on_the_other_rows_or_on_the_threads_of_a_blas():
+    rng = np.random.default_rng(5)
+    # about one axis: many starts are equally good, and the last bits decide
+    q = frame_to_band4(exponential(rng.uniform(-1.0, 1.0, (100, 1)) * [0.0, 0.0, 1.0]))
+    together = nearest_frames(q).frames
+    alone = np.concatenate([nearest_frames(row).frames for row in q])
+    assert np.array_equal(alone, together)

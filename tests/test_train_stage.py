@@ -168,7 +168,7 @@ def test_a_single_tet_and_a_mesh_that_nothing_aligns_have_a_field():
     np.testing.assert_allclose(np.linalg.norm(q, axis=1), 1.0)
     free = TrainOptions(method="discrete", lambda_boundary=0.0, threads=1)
     report = train(BENT, Features(), free).report
-    assert report["losses"]["total"] == 0.0
+    assert report["losses"]["total"] < 1e-25  # rounding only
     assert report["singular_edges"] == 0
 
 

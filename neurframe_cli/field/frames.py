@@ -27,7 +27,7 @@ _SAME_BASIN = 0.75
 _NEIGHBORS = 14
 _GRADIENT_TOLERANCE = 1e-11
 _MAX_STEPS = 60
-_CHUNK = 2048
+_CHUNK = 1024
 
 
 @dataclass(frozen=True)
@@ -97,10 +97,22 @@ def _grid_neighbors() -> Ints:
     return np.asarray(np.argsort(-grid @ grid.T, axis=1)[:, 1 : _NEIGHBORS + 1])
 
 
+def _row_products(a: Floats, b: Floats) -> Floats:
+    """a @ b.T for a (n,k) and b (m,k), where no row of the result depends on the other rows.
+
+    A BLAS adds in an order that depends on the number of rows and of threads.  The last bits then decide between
+    starts that are equally good, and a field's frames change with the batch and with the machine's load.
+    """
+    result = a[:, :1] * b[:, 0]
+    for i in range(1, a.shape[1]):
+        result += a[:, i : i + 1] * b[:, i]
+    return np.asarray(result)
+
+
 def _best_frames(q: Floats) -> tuple[Floats, Bools]:
     """Global maximisers of <q, p> over frames p, one chunk: (n,3,3) and whether each is a local maximum."""
     grid_frames, grid = _start_grid()
-    scores = q @ grid.T
+    scores = _row_products(q, grid)
     frames, p, converged = _ascend(q, grid_frames[scores.argmax(axis=1)])
     value = np.einsum("ni,ni->n", q, p)
     row, start = _rivals(scores, value, p, np.linalg.norm(q, axis=1))
@@ -117,8 +129,8 @@ def _rivals(scores: Floats, value: Floats, p: Floats, norm: Floats) -> tuple[Int
     """Pairs (row, grid frame) from where a maximum above `value` could be reached, outside the basin of p."""
     _, grid = _start_grid()
     slack = 0.5 * _CURVATURE * _COVERING_RAD**2 * norm
-    rows = np.flatnonzero(np.where(p @ grid.T > _SAME_BASIN, -np.inf, scores).max(axis=1) > value - slack)
-    close, bound = p[rows] @ grid.T > _SAME_BASIN, (value - slack)[rows]
+    rows = np.flatnonzero(np.where(_row_products(p, grid) > _SAME_BASIN, -np.inf, scores).max(axis=1) > value - slack)
+    close, bound = _row_products(p[rows], grid) > _SAME_BASIN, (value - slack)[rows]
     row, start = np.nonzero((scores[rows] > bound[:, None]) & ~close)
     own = scores[rows[row], start]
     peak = (own[:, None] >= scores[rows[row][:, None], _grid_neighbors()[start]]).all(axis=1)
@@ -135,7 +147,7 @@ def _derivative_table() -> Floats:
 
 def _derivatives(q: Floats, p: Floats) -> tuple[Floats, Floats]:
     """Gradient (n,3) and minus the Hessian (n,3,3) of w -> <q, exp(w.L) p> at w = 0."""
-    turned = (p @ _derivative_table().reshape(81, 9).T).reshape(-1, 9, 9)
+    turned = _row_products(p, _derivative_table().reshape(81, 9)).reshape(-1, 9, 9)
     d = np.einsum("nki,ni->nk", turned, q)
     return d[:, :3], -d[:, [3, 8, 7, 8, 4, 6, 7, 6, 5]].reshape(-1, 3, 3)
 

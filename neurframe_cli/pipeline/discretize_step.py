@@ -60,7 +60,7 @@ def discretize_step(
 
     return Step(
         name="discretize",
-        version=1,
+        version=2,
         inputs=inputs,
         outputs=(FRAMES_FRA, FRAMES, CROSSES, CROSSES_VTP, SINGULAR_EDGES, *PICTURES.values()),
         options={"surface": choice, "pictures": pictures},
