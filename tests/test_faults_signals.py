@@ -200,6 +200,10 @@ def test_the_exit_code_is_130_where_the_signal_came_in_the_exec_of_a_text(tmp_pa
     environment = clean_environment()
     environment["PYTHONPATH"] = os.pathsep.join(filter(None, [str(tmp_path), environment.get("PYTHONPATH")]))
     ended = subprocess.run(
-        [sys.executable, "-m", "interrupted_text"], env=environment, capture_output=True, text=True, check=False
+        [sys.executable, "-m", "interrupted_text"],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert (ended.returncode, ended.stdout) == (Cancelled.exit_code, "caught\n")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 from smooth_shapes import cube_hexes, cylinder_surface, disk_quads, grid_quads, jitter, sphere_hexes
 
 from neurframe_cli.errors import StageError
-from neurframe_cli.mesh.arrays import Features, Floats, Surface
+from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
 from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.optimize import corner_energy
 from neurframe_cli.mesh.optimize.approach import NEARLY, SLIDING, approach, retreat
@@ -260,18 +261,26 @@ def test_components_between_cuts() -> None:
     assert len(unique_edges(Q)[0]) == 40
 
 
+def next_to(vertices: Ints) -> Ints:
+    """Of five vertices in a row, these and their neighbours."""
+    return np.unique(np.clip(np.concatenate([vertices - 1, vertices, vertices + 1]), 0, 4))
+
+
+def guarded_row(harmed: Callable[[Floats], Ints]) -> Floats:
+    """Where along x the guard leaves five vertices that want to go from 0 to 1."""
+    return guarded_step(np.zeros((5, 3)), np.ones((5, 3)), harmed, lambda x, _: x, next_to)[:, 0]
+
+
 def test_the_guard_holds_back_only_what_harms() -> None:
-    old, new = np.zeros((3, 3)), np.ones((3, 3))
-    kept = guarded_step(old, new, lambda x: np.flatnonzero(x[:, 0] * [1, 2, 9] > 1.2), lambda x, _: x)
-    np.testing.assert_array_equal(kept[:, 0], [1.0, 0.5, 0.0])
+    kept = guarded_row(lambda x: np.flatnonzero(x[:, 0] * [1, 2, 9, 1, 1] > 1.2))
+    np.testing.assert_array_equal(kept, [1.0, 0.5, 0.0, 1.0, 1.0])
 
 
-def test_the_guard_ends_where_blame_is_misplaced() -> None:
-    old, new = np.zeros((3, 3)), np.ones((3, 3))
-    kept = guarded_step(
-        old, new, lambda x: np.array([0]) if x[2, 0] > 0.3 else np.array([], int), lambda x, _: x
-    )
-    assert kept[2, 0] <= 0.25
+@pytest.mark.parametrize("culprit", range(5))
+def test_where_blame_is_misplaced_the_guard_looks_farther_and_farther_away(culprit: int) -> None:
+    kept = guarded_row(lambda x: np.array([0]) if x[culprit, 0] > 0.3 else np.array([], int))
+    assert kept[culprit] <= 0.25
+    np.testing.assert_array_equal(kept[2 * culprit + 1 :], 1.0)
 
 
 def test_bad_hexes_open_within_the_limit_of_distance() -> None:

@@ -129,7 +129,9 @@ def _rivals(scores: Floats, value: Floats, p: Floats, norm: Floats) -> tuple[Int
     """Pairs (row, grid frame) from where a maximum above `value` could be reached, outside the basin of p."""
     _, grid = _start_grid()
     slack = 0.5 * _CURVATURE * _COVERING_RAD**2 * norm
-    rows = np.flatnonzero(np.where(_row_products(p, grid) > _SAME_BASIN, -np.inf, scores).max(axis=1) > value - slack)
+    rows = np.flatnonzero(
+        np.where(_row_products(p, grid) > _SAME_BASIN, -np.inf, scores).max(axis=1) > value - slack
+    )
     close, bound = _row_products(p[rows], grid) > _SAME_BASIN, (value - slack)[rows]
     row, start = np.nonzero((scores[rows] > bound[:, None]) & ~close)
     own = scores[rows[row], start]

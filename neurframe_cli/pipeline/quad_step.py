@@ -109,7 +109,7 @@ def _made(mapped: MappedQuads, smoothed: SmoothedMesh, cells: CellMesh) -> MadeM
 
 QUAD = MeshKind(
     name="quad",
-    version=4,
+    version=5,
     map_name="map.obj",
     outputs=("quad.obj",),
     extractor="qex",

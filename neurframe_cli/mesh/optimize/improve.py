@@ -130,7 +130,10 @@ class Improver:
             vertices = np.unique(self.cells[states[0].quality < allowed])
             return harmed(x) if len(vertices) == 0 and harmed is not None else vertices
 
-        guarded_step(old.x, new, all_harmed, self.constraints.project_some)
+        def around(vertices: Ints) -> Ints:
+            return np.unique(self.cells[np.isin(self.cells, vertices).any(axis=1)])
+
+        guarded_step(old.x, new, all_harmed, self.constraints.project_some, around)
         return states[0]
 
     def _relaxed(self, foot: Foot, outside: Floats | None, power: float) -> tuple[Foot, float]:

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from neurframe_cli.mesh.arrays import Floats, Ints, silent
-from neurframe_cli.mesh.optimize.constraints import Constraints
+from neurframe_cli.mesh.optimize.constraints import ON_CURVE, Constraints
 from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe, Distances
 from neurframe_cli.mesh.optimize.improve import Improver, State
 
-WORTH, SHARE = 0.2, 0.6  # scaled Jacobian, and share of the worst one, that a hex keeps while vertices settle
+ON = 0.02  # edge lengths between a vertex and the feature that it is on
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,15 @@ class NearSurface:
         """The state with its distances."""
         return Placed(state, self.probe.measure(state.x))
 
+    def on_features(self, placed: Placed) -> float:
+        """The share of the vertices held by features that are on them; 1 where there are none."""
+        constraints = self.improver.constraints
+        held = constraints.kind >= ON_CURVE
+        if not held.any():
+            return 1.0
+        off = np.linalg.norm(constraints.project(placed.state.x).points - placed.state.x, axis=1)
+        return float((off[held] <= ON * np.median(self.improver.energy.lengths)).mean())
+
     def within(self, origin: Placed, improved: State) -> Placed:
         """As much of the way from `origin` to `improved` as the limit allows; `origin` where that is better."""
         final = self.moved(origin, improved.x)
@@ -57,14 +66,6 @@ class NearSurface:
         """The mesh improved under its constraints, from where it is."""
         better = self.improver.run(origin.state, origin.state.x, silent)[0]
         return self.within(origin, better)
-
-    def settled(self, placed: Placed) -> Placed:
-        """Vertices where the constraints want them, wherever no hex gets poor for that, nor worse than the worst one
-        was at first: soft constraints leave all of them a little off, and planes uneven."""
-        goal = self.improver.constraints.project(placed.state.x).points
-        quality = placed.state.quality
-        least = max(WORTH, SHARE * placed.worst, self.improver.first.quality.min())
-        return self.moved(placed, goal, np.minimum(quality, least))
 
     def moved(self, origin: Placed, goal: Floats, allowed: Floats | None = None) -> Placed:
         """As much of the way from `origin` to `goal` (n,3) as guarded_step allows, with cells no worse than `allowed`

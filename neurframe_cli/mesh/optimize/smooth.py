@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -20,9 +21,13 @@ from neurframe_cli.mesh.optimize.near_surface import NearSurface, Placed
 from neurframe_cli.mesh.optimize.patches import Patches, outward_normals
 from neurframe_cli.mesh.optimize.reach import reach_far_places
 from neurframe_cli.mesh.optimize.release import released_of_soft, released_round_bad
+from neurframe_cli.mesh.optimize.settle import settled
 from neurframe_cli.mesh.optimize.soft_constraints import SoftConstraints
 from neurframe_cli.mesh.quality.polygons import unique_edges
 
+Release = Callable[[NearSurface, Placed, Surface], tuple[Placed, int]]
+
+GOOD_ENOUGH = 0.3  # scaled Jacobian, beyond which features count for more
 PASSED_BY = (
     0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
 )
@@ -159,16 +164,33 @@ def _finished_hexes(
     near: NearSurface, placed: Placed, surface: Surface, soft_first: bool, voids: bool
 ) -> tuple[Placed, int]:
     """The poorest hexes made better, features letting go of them where that is needed, and the vertices in place; with
-    the number of vertices let go.  Round voids nothing lets go: their boundary is pinned, too, and must stay."""
+    the number of vertices let go.  That is done with hexes as they are, and with lifted ones, which may have room for
+    more features or be in the way of others; the better mesh is kept."""
+    release = released_of_soft if soft_first else released_round_bad
+    made = _in_place(near, placed, surface, None if voids else release, alone=soft_first)
+    first = lifted(near, placed, surface, may_release=False).placed
+    if first is placed:
+        return made
+    other = _in_place(near, first, surface, None if voids else release, alone=True)
+    return max(made, other, key=lambda one: _worth(near, one[0]))
+
+
+def _in_place(
+    near: NearSurface, placed: Placed, surface: Surface, release: Release | None, alone: bool
+) -> tuple[Placed, int]:
+    """Features let go of the poorest hexes, vertices settle, one by one if `alone`, and the worst hexes are lifted.
+    Without a `release`, round voids, nothing lets go: their boundary is pinned, too, and must stay."""
     released = 0
-    if soft_first:
-        placed = lifted(near, placed, surface, may_release=False).placed
-    if not voids:
-        release = released_of_soft if soft_first else released_round_bad
+    if release is not None:
         placed, released = release(near, placed, surface)
-        placed = near.settled(placed)
-    made = lifted(near, placed, surface, may_release=not voids)
+        placed = settled(near, placed, alone)
+    made = lifted(near, placed, surface, may_release=release is not None)
     return made.placed, released + made.released
+
+
+def _worth(near: NearSurface, placed: Placed) -> tuple[bool, float]:
+    """The larger, the better: a mesh near the surface, hexes up to GOOD_ENOUGH, vertices on their features."""
+    return placed.away <= near.limit, min(placed.worst / GOOD_ENOUGH, 1.0) + near.on_features(placed)
 
 
 def _loose(improver: Improver, progress: Progress) -> Floats:
