@@ -11,6 +11,8 @@ namespace neurframe {
 
 namespace {
 
+constexpr double narrowest = std::numbers::pi / 6;  // between two features along different axes
+
 // Whether the direction, laid into the face's plane, points from the corner into the face.
 bool points_into_face(const FieldMesh& mesh, int half_face, int vertex, const Eigen::Vector3d& direction) {
   const std::array<int, 3> corners = half_face_vertices(mesh.tets, half_face);
@@ -81,8 +83,8 @@ class CornerWalks {
       if (!is_feature_edge(edge)) continue;
       for (const int face : {edge.begin_face, edge.end_face}) {
         for (const int vertex : edge.vertices) {
-          if (is_empty(edge, face, vertex))
-            defects.push_back({Defect::Kind::empty_corner, at(mesh_.points, vertex)});
+          if (const auto kind = corner_defect(edge, face, vertex))
+            defects.push_back({*kind, at(mesh_.points, vertex)});
         }
       }
     }
@@ -121,14 +123,17 @@ class CornerWalks {
 
   // Two features that leave the vertex along one axis, on either side of a narrow part of the boundary.  Each
   // corner is told once.
-  bool is_empty(const BoundaryEdge& first, int face, int vertex) const {
+  std::optional<Defect::Kind> corner_defect(const BoundaryEdge& first, int face, int vertex) const {
     SignedAxis axis = axis_from(first, face, vertex);
     const BoundaryEdge* edge = &first;
     double angle = angle_at(face, vertex);
     while (true) {
       edge = next_edge(face, vertex, edge);
-      if (edge == nullptr || angle > std::numbers::pi) return false;
-      if (is_feature_edge(*edge)) return first.ring < edge->ring && axis == axis_from(*edge, face, vertex);
+      if (edge == nullptr || angle > std::numbers::pi) return {};
+      if (is_feature_edge(*edge)) {
+        if (first.ring >= edge->ring || !(axis == axis_from(*edge, face, vertex))) return {};
+        return angle < narrowest ? Defect::Kind::cusp : Defect::Kind::empty_corner;
+      }
       const bool forwards = edge->begin_face == face;
       axis = carried(forwards ? edge->across : edge->across.inverse(), axis);
       face = forwards ? edge->end_face : edge->begin_face;

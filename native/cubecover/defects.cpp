@@ -29,6 +29,8 @@ const char* name_of(Defect::Kind kind) {
       return "crooked sector";
     case Defect::Kind::empty_corner:
       return "empty corner";
+    case Defect::Kind::cusp:
+      return "cusp";
     case Defect::Kind::impossible_node:
       return "impossible node";
     case Defect::Kind::degenerate_tet:
@@ -44,6 +46,7 @@ double weight_of(Defect::Kind kind) {
     case Defect::Kind::empty_sector:
     case Defect::Kind::overfull_sector:
     case Defect::Kind::empty_corner:
+    case Defect::Kind::cusp:
       return 5;
     case Defect::Kind::turning_point:
     case Defect::Kind::grazing_end:

@@ -16,6 +16,7 @@ struct Defect {
     overfull_sector,  // four quarter turns between two boundary faces
     crooked_sector,   // the boundary turns about an axis that is not along the edge
     empty_corner,     // no quarter turn is left between two features of one part of the boundary
+    cusp,             // the same where they leave their vertex within 30 degrees: the shape has no room
     impossible_node,  // no vertex of a hex mesh has edges of such valences
     degenerate_tet    // no volume for any choice of the free unknowns
   };

@@ -81,10 +81,10 @@ class RepairSearch {
   int tries_left_;
 };
 
-// No move of a line gives room to a corner or a sector of the boundary that has none.
+// No move of a line gives room to a cusp or a sector of the boundary that has none.
 bool is_beyond_moves(const Defect& defect) {
   return defect.kind == Defect::Kind::empty_sector || defect.kind == Defect::Kind::overfull_sector ||
-         defect.kind == Defect::Kind::empty_corner;
+         defect.kind == Defect::Kind::cusp;
 }
 
 }  // namespace

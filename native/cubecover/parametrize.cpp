@@ -65,9 +65,9 @@ bool is_hopeless(std::size_t failed_tets, const FieldMesh& mesh) {
 }
 
 // It is in the shape of the solid: no other frames and no moves of lines give it room.
-bool has_empty_corner(const PreparedField& prepared) {
+bool has_cusp(const PreparedField& prepared) {
   return std::any_of(prepared.defects.begin(), prepared.defects.end(),
-                     [](const Defect& defect) { return defect.kind == Defect::Kind::empty_corner; });
+                     [](const Defect& defect) { return defect.kind == Defect::Kind::cusp; });
 }
 
 // Tries one preparation after the other until a map is valid, and keeps the best one.
@@ -88,7 +88,7 @@ class Search {
     const auto soundest = std::min_element(
         waiting_.begin(), waiting_.end(),
         [](const PreparedField& a, const PreparedField& b) { return a.score() < b.score(); });
-    if (!is_hopeless(soundest->defects.size(), soundest->framed) && !has_empty_corner(*soundest))
+    if (!is_hopeless(soundest->defects.size(), soundest->framed) && !has_cusp(*soundest))
       *soundest = prepared([&] { return with_line_repairs(with_local_restarts(std::move(*soundest))); });
     try_waiting();
   }

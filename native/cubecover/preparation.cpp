@@ -56,7 +56,8 @@ PreparedField judged_field(FieldMesh framed, const Preparation& preparation, dou
   // a polycube's labels turn where the surface is smooth: there the frame says nothing of the turn
   if (preparation.is_polycube())
     std::erase_if(prepared.defects, [](const Defect& d) {
-      return d.kind == Defect::Kind::crooked_sector || d.kind == Defect::Kind::empty_corner;
+      return d.kind == Defect::Kind::crooked_sector || d.kind == Defect::Kind::empty_corner ||
+             d.kind == Defect::Kind::cusp;
     });
   return prepared;
 }

@@ -116,8 +116,8 @@ void test_grazing_end() {
   CHECK(count(field_defects(field), Defect::Kind::grazing_end) == 1);
 }
 
-// Two features of the top that leave a vertex at an angle of 22 degrees: both along x.
-void test_empty_corner() {
+// A box with two features on its top that leave a vertex along x, towards points that are so far along y.
+FieldMesh box_with_corner(double y_of_one, double y_of_other) {
   FieldMesh mesh = box({6, 6, 6});
   std::vector<int> ends;
   for (const Eigen::Vector3d& wanted :
@@ -125,12 +125,23 @@ void test_empty_corner() {
     const auto found = std::find(mesh.points.begin(), mesh.points.end(), wanted);
     ends.push_back(static_cast<int>(found - mesh.points.begin()));
   }
-  CHECK(count(field_defects(comb_field(mesh)), Defect::Kind::empty_corner) == 0);
-  at(mesh.points, ends[2]) = Eigen::Vector3d(4, 3.4, 6);
+  at(mesh.points, ends[1]).y() = y_of_one;
+  at(mesh.points, ends[2]).y() = y_of_other;
   mesh.features.push_back(edge_key(ends[0], ends[1]));
   mesh.features.push_back(edge_key(ends[0], ends[2]));
   std::sort(mesh.features.begin(), mesh.features.end());
-  CHECK(count(field_defects(comb_field(mesh)), Defect::Kind::empty_corner) == 1);
+  return mesh;
+}
+
+// Features at an angle of 22 degrees are both along x, whatever the frames; at one of 70 with these.
+void test_cusp_and_empty_corner() {
+  const auto told = [](const FieldMesh& mesh) {
+    const std::vector<Defect> defects = field_defects(comb_field(mesh));
+    return std::pair(count(defects, Defect::Kind::cusp), count(defects, Defect::Kind::empty_corner));
+  };
+  CHECK(told(box({6, 6, 6})) == std::pair(0, 0));
+  CHECK(told(box_with_corner(3, 3.4)) == std::pair(1, 0));
+  CHECK(told(box_with_corner(2.3, 3.7)) == std::pair(0, 1));
 }
 
 void test_removal() {
@@ -189,7 +200,7 @@ int main() {
   neurframe::test_jog_is_no_turning_point();
   neurframe::test_impossible_nodes();
   neurframe::test_grazing_end();
-  neurframe::test_empty_corner();
+  neurframe::test_cusp_and_empty_corner();
   neurframe::test_removal();
   neurframe::test_no_removal_of_straight_lines();
   neurframe::test_ribbons();
