@@ -1,11 +1,10 @@
-"""Parts of the smoother against closed forms: closest points, energy, L-BFGS, feature matching, guard."""
+"""Parts of the smoother against closed forms: closest points, energy, L-BFGS, feature matching."""
 
 from __future__ import annotations
 
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,7 @@ import pytest
 from smooth_shapes import cube_hexes, cylinder_surface, disk_quads, grid_quads, jitter, sphere_hexes
 
 from neurframe_cli.errors import StageError
-from neurframe_cli.mesh.arrays import Features, Floats, Ints, Surface
+from neurframe_cli.mesh.arrays import Features, Floats, Surface
 from neurframe_cli.mesh.features import features_by_angle
 from neurframe_cli.mesh.optimize import corner_energy
 from neurframe_cli.mesh.optimize.approach import NEARLY, SLIDING, approach, retreat
@@ -23,7 +22,7 @@ from neurframe_cli.mesh.optimize.constraints import ON_CURVE, ON_SURFACE, PINNED
 from neurframe_cli.mesh.optimize.corner_energy import CornerEnergy, EnergyWeights
 from neurframe_cli.mesh.optimize.distance_probe import BothDiagonals, DistanceProbe
 from neurframe_cli.mesh.optimize.feature_curves import FeatureCurves, feature_curves
-from neurframe_cli.mesh.optimize.guard import guarded_step, least_allowed
+from neurframe_cli.mesh.optimize.guard import least_allowed
 from neurframe_cli.mesh.optimize.improve import ImproveOptions, Improver
 from neurframe_cli.mesh.optimize.lbfgs import LbfgsOptions, minimise
 from neurframe_cli.mesh.optimize.let_go import let_go
@@ -259,28 +258,6 @@ def test_components_between_cuts() -> None:
     assert (labels[8:] == labels[8]).all()
     assert len(np.unique(components_cut_by(Q, cut[:3]))) == 1  # a dangling cut separates nothing
     assert len(unique_edges(Q)[0]) == 40
-
-
-def next_to(vertices: Ints) -> Ints:
-    """Of five vertices in a row, these and their neighbours."""
-    return np.unique(np.clip(np.concatenate([vertices - 1, vertices, vertices + 1]), 0, 4))
-
-
-def guarded_row(harmed: Callable[[Floats], Ints]) -> Floats:
-    """Where along x the guard leaves five vertices that want to go from 0 to 1."""
-    return guarded_step(np.zeros((5, 3)), np.ones((5, 3)), harmed, lambda x, _: x, next_to)[:, 0]
-
-
-def test_the_guard_holds_back_only_what_harms() -> None:
-    kept = guarded_row(lambda x: np.flatnonzero(x[:, 0] * [1, 2, 9, 1, 1] > 1.2))
-    np.testing.assert_array_equal(kept, [1.0, 0.5, 0.0, 1.0, 1.0])
-
-
-@pytest.mark.parametrize("culprit", range(5))
-def test_where_blame_is_misplaced_the_guard_looks_farther_and_farther_away(culprit: int) -> None:
-    kept = guarded_row(lambda x: np.array([0]) if x[culprit, 0] > 0.3 else np.array([], int))
-    assert kept[culprit] <= 0.25
-    np.testing.assert_array_equal(kept[2 * culprit + 1 :], 1.0)
 
 
 def test_bad_hexes_open_within_the_limit_of_distance() -> None:
