@@ -13,14 +13,13 @@ from typing import Any
 
 from neurframe_cli.errors import NotValid, StageError
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part, silent
-from neurframe_cli.mesh.optimize.smooth import MeshNumbers, SmoothOptions
+from neurframe_cli.mesh.optimize.smooth import GOOD_ENOUGH, MeshNumbers, SmoothOptions
 from neurframe_cli.mesh.optimize.soft_constraints import BAD
 from neurframe_cli.mesh.pinches import has_topology_of, separate_pinches
 from neurframe_cli.mesh.quality.check import CheckOptions, check_hexes
 from neurframe_cli.stages.pad_hexes import padded_hexes
 from neurframe_cli.stages.smooth_hexes import HEX_OPTIONS, measured_hexes, smooth_hexes
 
-POOR = 0.3  # worst scaled Jacobian, below which a layer of hexes is tried
 # times the limit of the distance; hexes of a map that were farther away than 2.1 times have not been seen to pass
 TOO_FAR = 2.5
 FAR_TO_PAD = 1.25  # the same after smoothing: a layer brings them nearer by less
@@ -126,7 +125,7 @@ class _Finisher:
         report: dict[str, Any] = {"whole": whole, "smoothing": asdict(result.report)}
         numbers = result.report.after
         near = numbers.hausdorff <= FAR_TO_PAD * limits.hausdorff_limit
-        poor = whole and near and numbers.min_scaled_jacobian < POOR
+        poor = whole and near and numbers.min_scaled_jacobian < GOOD_ENOUGH
         if not (poor if self.options.padding is None else self.options.padding):
             return _Hexes(result.V, H, numbers, whole), report
         made = padded_hexes(result, H, self.surface, self.features, limits, part(progress, 0.6, 1.0), voids)

@@ -27,7 +27,8 @@ from neurframe_cli.mesh.quality.polygons import unique_edges
 
 Release = Callable[[NearSurface, Placed, Surface], tuple[Placed, int]]
 
-GOOD_ENOUGH = 0.3  # scaled Jacobian, beyond which features count for more
+# worst scaled Jacobian of hexes: below it a layer of hexes is tried, beyond it other things than quality count for more
+GOOD_ENOUGH = 0.3
 PASSED_BY = (
     0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
 )
