@@ -14,13 +14,9 @@ namespace {
 constexpr int repair_budget = 60000;  // tets that moves across single faces may prepare again
 constexpr double move_radius = 1.5;   // mean edge lengths
 
-class RepairSearch {
+class RepairSearch : private FieldSearch {
  public:
-  explicit RepairSearch(PreparedField& prepared)
-      : prepared_(prepared),
-        alignments_(boundary_alignments(prepared.framed)),
-        edge_length_(mean_edge_length(prepared.framed)),
-        tries_left_(repair_budget / std::max(1, prepared.framed.tet_count())) {}
+  explicit RepairSearch(PreparedField& prepared) : FieldSearch(prepared, repair_budget) {}
 
   // Whole arcs first, single faces last: those are many.
   bool improve() {
@@ -47,7 +43,7 @@ class RepairSearch {
   bool improve_by_moves(const EdgeRings& rings) {
     for (const Eigen::Vector3d& place : grave_places(prepared_.defects)) {
       for (const LineMove& move : line_moves(prepared_.framed, rings, place, move_radius * edge_length_)) {
-        if (tries_left_-- <= 0) return false;
+        if (!may_try()) return false;
         if (attempt({move}, rings)) return true;
       }
     }
@@ -68,17 +64,10 @@ class RepairSearch {
   bool attempt(FieldMesh moved, const std::vector<int>& faces) {
     settle_frames(moved, alignments_, faces);
     PreparedField candidate = judged_field(std::move(moved), prepared_.preparation, prepared_.score() - 1);
-    if (candidate.score() >= prepared_.score()) return false;
     candidate.restarts = prepared_.restarts;
     candidate.preparation.line_moves = prepared_.preparation.line_moves + 1;
-    prepared_ = std::move(candidate);
-    return true;
+    return keep_if_sounder(std::move(candidate));
   }
-
-  PreparedField& prepared_;
-  std::vector<Alignment> alignments_;
-  double edge_length_;
-  int tries_left_;
 };
 
 // No move of a line gives room to a cusp or a sector of the boundary that has none.

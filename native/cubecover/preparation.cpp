@@ -69,6 +69,18 @@ double mean_edge_length(const FieldMesh& mesh) {
   return sum / static_cast<double>(rings.vertices.size());
 }
 
+FieldSearch::FieldSearch(PreparedField& prepared, int budget)
+    : prepared_(prepared),
+      alignments_(boundary_alignments(prepared.framed)),
+      edge_length_(mean_edge_length(prepared.framed)),
+      tries_left_(budget / std::max(1, prepared.framed.tet_count())) {}
+
+bool FieldSearch::keep_if_sounder(PreparedField candidate) {
+  if (candidate.score() >= prepared_.score()) return false;
+  prepared_ = std::move(candidate);
+  return true;
+}
+
 PreparedField prepare(FieldMesh mesh, const Preparation& preparation) {
   return matched_field(framed_mesh(std::move(mesh), preparation), preparation);
 }
@@ -115,20 +127,16 @@ std::vector<Eigen::Vector3d> grave_places(std::vector<Defect> defects) {
 namespace {
 
 // Tries restarts at places of defects until one lowers the score; a ball that failed is not tried again.
-class RestartSearch {
+class RestartSearch : private FieldSearch {
  public:
-  explicit RestartSearch(PreparedField& prepared)
-      : prepared_(prepared),
-        alignments_(boundary_alignments(prepared.framed)),
-        edge_length_(mean_edge_length(prepared.framed)),
-        tries_left_(restart_budget / std::max(1, prepared.framed.tet_count())) {}
+  explicit RestartSearch(PreparedField& prepared) : FieldSearch(prepared, restart_budget) {}
 
   bool improve() {
     for (const Eigen::Vector3d& place : grave_places(prepared_.defects)) {
       if (was_tried(place)) continue;
       for (const double radius : restart_radii) {
         for (const double source : restart_sources) {
-          if (tries_left_-- <= 0) return false;
+          if (!may_try()) return false;
           if (attempt({place, radius * edge_length_, source})) return true;
         }
       }
@@ -148,16 +156,10 @@ class RestartSearch {
     FieldMesh framed = prepared_.framed;
     if (!restart_frames(framed, alignments_, restart)) return false;
     PreparedField candidate = matched_field(std::move(framed), prepared_.preparation);
-    if (candidate.score() >= prepared_.score()) return false;
     candidate.restarts = prepared_.restarts + 1;
-    prepared_ = std::move(candidate);
-    return true;
+    return keep_if_sounder(std::move(candidate));
   }
 
-  PreparedField& prepared_;
-  std::vector<Alignment> alignments_;
-  double edge_length_;
-  int tries_left_;
   std::vector<Eigen::Vector3d> tried_;
 };
 

@@ -50,6 +50,25 @@ PreparedField judged_field(FieldMesh framed, const Preparation& preparation,
 
 double mean_edge_length(const FieldMesh& mesh);
 
+// What searches for a sounder field share: the field so far, what its moves need, and how many may be tried.
+class FieldSearch {
+ protected:
+  // budget: tets that may be prepared again, all tries together.
+  FieldSearch(PreparedField& prepared, int budget);
+
+  bool may_try() { return tries_left_-- > 0; }
+
+  // The candidate takes the place of the field where its score is lower.
+  bool keep_if_sounder(PreparedField candidate);
+
+  PreparedField& prepared_;
+  std::vector<Alignment> alignments_;
+  double edge_length_;
+
+ private:
+  int tries_left_;
+};
+
 // The places of the defects, the gravest first; off-axis edges do no harm by themselves.
 std::vector<Eigen::Vector3d> grave_places(std::vector<Defect> defects);
 
