@@ -31,7 +31,7 @@ def shrunken_cube(limit: float, corner_at: float | None = None) -> tuple[NearSur
     constraints = Constraints(held.kind, pins, held.tracks)
     improver = Improver(V, shape.cells, HEXES, constraints, None, ImproveOptions())
     probe = BothDiagonals(faces, shape.surface, 2000, np.random.default_rng(0))
-    return NearSurface(improver, probe, limit), corner
+    return NearSurface(improver, probe, limit, most=limit), corner
 
 
 def test_all_vertices_come_to_their_places_where_nothing_is_in_the_way() -> None:

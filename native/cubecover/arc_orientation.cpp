@@ -130,4 +130,10 @@ void orient_arcs(const FieldMesh& mesh, const std::vector<SignedAxis>& boundary_
   }
 }
 
+SingularGraph oriented_singular_graph(const FieldMesh& mesh, const EdgeRings& rings) {
+  SingularGraph graph = find_singular_graph(mesh, rings);
+  orient_arcs(mesh, boundary_axes(mesh, find_boundary_edges(mesh, rings)), graph);
+  return graph;
+}
+
 }  // namespace neurframe

@@ -13,4 +13,6 @@ namespace neurframe {
 // turns after that turns indeed.
 void orient_arcs(const FieldMesh& mesh, const std::vector<SignedAxis>& boundary_axis, SingularGraph& graph);
 
+SingularGraph oriented_singular_graph(const FieldMesh& mesh, const EdgeRings& rings);
+
 }  // namespace neurframe

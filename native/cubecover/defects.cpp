@@ -58,7 +58,7 @@ double weight_of(Defect::Kind kind) {
     case Defect::Kind::off_axis_edge:
       return 0;  // a short jog of a line; most maps carry a few
     case Defect::Kind::impossible_node:
-      return 0;  // told only: where edges are jagged their valence may be misread
+      return 0;  // where edges are jagged their valence may be misread
   }
   return 0;
 }
@@ -113,21 +113,23 @@ std::optional<NodeType> node_type(const SingularGraph& graph, int vertex) {
   return type;
 }
 
-void add_impossible_nodes(const CombedField& field, std::vector<Defect>& defects) {
-  for (const int node : field.singular.nodes) {
-    const std::optional<NodeType> type = node_type(field.singular, node);
-    if (type && !is_node_type(*type))
-      defects.push_back({Defect::Kind::impossible_node, at(field.mesh.points, node)});
-  }
-}
-
 }  // namespace
+
+std::vector<int> impossible_nodes(const SingularGraph& graph) {
+  std::vector<int> found;
+  for (const int node : graph.nodes) {
+    const std::optional<NodeType> type = node_type(graph, node);
+    if (type && !is_node_type(*type)) found.push_back(node);
+  }
+  return found;
+}
 
 std::vector<Defect> field_defects(const CombedField& field) {
   std::vector<Defect> defects;
   add_edge_defects(field, defects);
   add_turning_points(field, defects);
-  add_impossible_nodes(field, defects);
+  for (const int node : impossible_nodes(field.singular))
+    defects.push_back({Defect::Kind::impossible_node, at(field.mesh.points, node)});
   add_boundary_defects(field, defects);
   return defects;
 }

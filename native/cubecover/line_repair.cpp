@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "cubecover/arc_orientation.hpp"
 #include "cubecover/arc_removal.hpp"
-#include "cubecover/ribbons.hpp"
+#include "cubecover/parting_ribbons.hpp"
 #include "cubecover/settling.hpp"
 
 namespace neurframe {
@@ -14,9 +15,35 @@ namespace {
 constexpr int repair_budget = 60000;  // tets that moves across single faces may prepare again
 constexpr double move_radius = 1.5;   // mean edge lengths
 
-class RepairSearch : private FieldSearch {
+// What searches by moves of lines share.
+class LineSearch : protected FieldSearch {
+ protected:
+  explicit LineSearch(PreparedField& prepared) : FieldSearch(prepared, repair_budget) {}
+  ~LineSearch() = default;
+
+  FieldMesh moved_along(const Ribbon& moves, const EdgeRings& rings) const {
+    FieldMesh moved = prepared_.framed;
+    std::vector<int> faces;
+    for (const LineMove& move : moves) {
+      move_line(moved, rings, move);
+      faces.push_back(move.half_face);
+    }
+    settle_frames(moved, alignments_, faces);
+    return moved;
+  }
+
+  // The field with other matchings of some faces.
+  PreparedField judged(FieldMesh moved, double most_score) const {
+    PreparedField candidate = judged_field(std::move(moved), prepared_.preparation, most_score);
+    candidate.restarts = prepared_.restarts;
+    candidate.preparation.line_moves = prepared_.preparation.line_moves + 1;
+    return candidate;
+  }
+};
+
+class RepairSearch : private LineSearch {
  public:
-  explicit RepairSearch(PreparedField& prepared) : FieldSearch(prepared, repair_budget) {}
+  explicit RepairSearch(PreparedField& prepared) : LineSearch(prepared) {}
 
   // Whole arcs first, single faces last: those are many.
   bool improve() {
@@ -30,44 +57,65 @@ class RepairSearch : private FieldSearch {
     return std::any_of(graph.arcs.begin(), graph.arcs.end(), [&](const SingularArc& arc) {
       FieldMesh moved = prepared_.framed;
       const std::vector<int> faces = remove_arc(moved, rings, graph, arc);
-      return !faces.empty() && attempt(std::move(moved), faces);
+      if (faces.empty()) return false;
+      settle_frames(moved, alignments_, faces);
+      return attempt(std::move(moved));
     });
   }
 
   bool improve_by_ribbon(const EdgeRings& rings) {
     const std::vector<Ribbon> ribbons = unzipping_ribbons(prepared_.framed, rings);
     return std::any_of(ribbons.begin(), ribbons.end(),
-                       [&](const Ribbon& ribbon) { return attempt(ribbon, rings); });
+                       [&](const Ribbon& ribbon) { return attempt(moved_along(ribbon, rings)); });
   }
 
   bool improve_by_moves(const EdgeRings& rings) {
     for (const Eigen::Vector3d& place : grave_places(prepared_.defects)) {
       for (const LineMove& move : line_moves(prepared_.framed, rings, place, move_radius * edge_length_)) {
         if (!may_try()) return false;
-        if (attempt({move}, rings)) return true;
+        if (attempt(moved_along({move}, rings))) return true;
       }
     }
     return false;
   }
 
-  bool attempt(const Ribbon& moves, const EdgeRings& rings) {
-    FieldMesh moved = prepared_.framed;
-    std::vector<int> faces;
-    for (const LineMove& move : moves) {
-      move_line(moved, rings, move);
-      faces.push_back(move.half_face);
+  bool attempt(FieldMesh moved) { return keep_if_sounder(judged(std::move(moved), prepared_.score() - 1)); }
+};
+
+using NodeChoice = std::vector<int> (*)(const SingularGraph&);
+
+std::vector<int> all_nodes(const SingularGraph& graph) {
+  return graph.nodes;
+}
+
+// Parts lines from chosen nodes while fewer edges meet at such nodes for it and no defect is added.
+class PartingSearch : private LineSearch {
+ public:
+  PartingSearch(PreparedField& prepared, NodeChoice choice) : LineSearch(prepared), choice_(choice) {}
+
+  bool improve() {
+    const EdgeRings rings = edge_rings(prepared_.framed.tets, prepared_.framed.twin);
+    const SingularGraph graph = oriented_singular_graph(prepared_.framed, rings);
+    for (const Ribbon& ribbon : parting_ribbons(prepared_.framed, rings, graph, choice_(graph))) {
+      if (!may_try()) return false;
+      PreparedField candidate = judged(moved_along(ribbon, rings), prepared_.score());
+      if (candidate.score() > prepared_.score() || edges_at_nodes(candidate) >= edges_at_nodes(prepared_))
+        continue;
+      prepared_ = std::move(candidate);
+      return true;
     }
-    return attempt(std::move(moved), faces);
+    return false;
   }
 
-  // Whether the field with other matchings of some faces is sounder.
-  bool attempt(FieldMesh moved, const std::vector<int>& faces) {
-    settle_frames(moved, alignments_, faces);
-    PreparedField candidate = judged_field(std::move(moved), prepared_.preparation, prepared_.score() - 1);
-    candidate.restarts = prepared_.restarts;
-    candidate.preparation.line_moves = prepared_.preparation.line_moves + 1;
-    return keep_if_sounder(std::move(candidate));
+ private:
+  std::size_t edges_at_nodes(const PreparedField& prepared) const {
+    const SingularGraph& graph = prepared.field.singular;
+    std::size_t count = 0;
+    for (const int node : choice_(graph)) count += at(graph.edges_of_vertex, node).size();
+    return count;
   }
+
+  NodeChoice choice_;
 };
 
 // No move of a line gives room to a cusp or a sector of the boundary that has none.
@@ -81,7 +129,18 @@ bool is_beyond_moves(const Defect& defect) {
 PreparedField with_line_repairs(PreparedField prepared) {
   if (std::any_of(prepared.defects.begin(), prepared.defects.end(), is_beyond_moves)) return prepared;
   RepairSearch search(prepared);
-  while (prepared.score() > 0 && search.improve()) {
+  PartingSearch parting(prepared, impossible_nodes);
+  do {
+    while (prepared.score() > 0 && search.improve()) {
+    }
+  } while (parting.improve());
+  return prepared;
+}
+
+PreparedField with_lines_parted(FieldMesh mesh, const Preparation& preparation) {
+  PreparedField prepared = judged_field(std::move(mesh), preparation);
+  PartingSearch search(prepared, all_nodes);
+  while (search.improve()) {
   }
   return prepared;
 }

@@ -5,7 +5,12 @@
 
 namespace neurframe {
 
-// The field after the moves round its defects that lower the defect score.
+// The field after the moves round its defects that lower the defect score, and with lines parted from nodes
+// that no hex mesh has.
 PreparedField with_line_repairs(PreparedField prepared);
+
+// A field without defects whose map is folded, with lines parted from its nodes: where two only touch, their
+// valences do not tell.
+PreparedField with_lines_parted(FieldMesh mesh, const Preparation& preparation);
 
 }  // namespace neurframe

@@ -185,11 +185,16 @@ class Search {
   }
 
   void try_field(PreparedField field) {
+    const bool sound = field.score() == 0;
     Parametrization next = solve_map(std::move(field), options_, steps_);
     attempts_.push_back(
         {next.preparation, next.field.mesh.features.size(), failure_count(next), next.distortion});
     if (next.verification.valid()) remember(next);
-    if (next.preparation.is_polycube() && failure_count(next) > 0) try_with_fewer_features(next);
+    if (failure_count(next) > 0 && next.preparation.is_polycube()) {
+      try_with_fewer_features(next);
+    } else if (failure_count(next) > 0 && sound) {
+      try_with_lines_parted(next);
+    }
     if (best_ && !is_better(next, *best_, mesh_)) return;
     best_ = std::move(next);
   }
@@ -228,6 +233,14 @@ class Search {
     FieldMesh released = without_inner_features_at(failed.field.mesh, tets);
     if (released.features.size() == failed.field.mesh.features.size()) return;
     waiting_.push_back(prepared([&] { return prepare_again(std::move(released), failed.preparation); }));
+  }
+
+  // Lines that touch fold a map, though nothing is wrong with either; they wait for a try apart from each
+  // other.
+  void try_with_lines_parted(const Parametrization& failed) {
+    if (failed.field.singular.nodes.empty()) return;
+    PreparedField parted = prepared([&] { return with_lines_parted(failed.field.mesh, failed.preparation); });
+    if (parted.preparation.line_moves > failed.preparation.line_moves) waiting_.push_back(std::move(parted));
   }
 
   const FieldMesh& mesh_;

@@ -169,8 +169,7 @@ bool turns_at(const SingularGraph& graph, const SingularArc& arc, std::size_t i)
 }  // namespace
 
 std::vector<Ribbon> unzipping_ribbons(const FieldMesh& mesh, const EdgeRings& rings) {
-  SingularGraph graph = find_singular_graph(mesh, rings);
-  orient_arcs(mesh, boundary_axes(mesh, find_boundary_edges(mesh, rings)), graph);
+  const SingularGraph graph = oriented_singular_graph(mesh, rings);
   std::vector<Turn> turns;
   for (const SingularArc& arc : graph.arcs) {
     for (std::size_t i = 1; i < arc.edges.size(); ++i) {

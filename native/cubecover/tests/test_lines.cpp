@@ -2,9 +2,11 @@
 #include <algorithm>
 
 #include "core/testing.hpp"
+#include "cubecover/arc_orientation.hpp"
 #include "cubecover/arc_removal.hpp"
 #include "cubecover/line_repair.hpp"
-#include "cubecover/ribbons.hpp"
+#include "cubecover/parametrize.hpp"
+#include "cubecover/parting_ribbons.hpp"
 #include "cubecover/settling.hpp"
 #include "grid_meshes.hpp"
 
@@ -21,36 +23,46 @@ constexpr int turn_index(int axis) {
 
 constexpr OctahedralRotation turn_about_z(turn_index(2));
 
-// The faces in the plane x = 3 inside a rectangle turn about z: so do the edges round the rectangle.
-FieldMesh box_with_sheet(double y_least, double y_most, double z_least, double z_most) {
-  FieldMesh mesh = box({6, 6, 6});
+constexpr OctahedralRotation turn_about_x(turn_index(0));
+
+// The faces across an axis whose corners are all inside turn so, and so do the edges round them.
+template <class Inside>
+void turn_sheet(FieldMesh& mesh, int across, OctahedralRotation turn, const Inside& inside) {
   for (int h = 0; h < mesh.half_face_count(); ++h) {
-    if (at(mesh.twin, h) < 0 || area_vector(mesh, h).normalized().x() < 0.99) continue;
-    bool inside = true;
-    for (const int v : half_face_vertices(mesh.tets, h)) {
-      const Eigen::Vector3d& p = at(mesh.points, v);
-      inside =
-          inside && p.x() == 3 && p.y() >= y_least && p.y() <= y_most && p.z() >= z_least && p.z() <= z_most;
-    }
-    if (inside) set_matching(mesh, h, turn_about_z);
+    if (at(mesh.twin, h) < 0 || area_vector(mesh, h).normalized()(across) < 0.99) continue;
+    const auto corners = half_face_vertices(mesh.tets, h);
+    if (std::all_of(corners.begin(), corners.end(), [&](int v) { return inside(at(mesh.points, v)); }))
+      set_matching(mesh, h, turn);
   }
-  return mesh;
 }
 
-constexpr OctahedralRotation turn_about_x(turn_index(0));
+// The faces in the plane x = 3 inside a rectangle turn about z.
+FieldMesh box_with_sheet(double y_least, double y_most, double z_least, double z_most) {
+  FieldMesh mesh = box({6, 6, 6});
+  turn_sheet(mesh, 0, turn_about_z, [&](const Eigen::Vector3d& p) {
+    return p.x() == 3 && p.y() >= y_least && p.y() <= y_most && p.z() >= z_least && p.z() <= z_most;
+  });
+  return mesh;
+}
 
 // A line along z and one along x that meet in the middle of the box.
 FieldMesh box_with_node() {
   FieldMesh mesh = box_with_sheet(3, 6, 0, 6);
-  for (int h = 0; h < mesh.half_face_count(); ++h) {
-    if (at(mesh.twin, h) < 0 || area_vector(mesh, h).normalized().z() < 0.99) continue;
-    const auto corners = half_face_vertices(mesh.tets, h);
-    if (std::all_of(corners.begin(), corners.end(), [&](int v) {
-          const Eigen::Vector3d& p = at(mesh.points, v);
-          return p.z() == 3 && p.y() <= 3;
-        }))
-      set_matching(mesh, h, turn_about_x);
-  }
+  turn_sheet(mesh, 2, turn_about_x, [](const Eigen::Vector3d& p) { return p.z() == 3 && p.y() <= 3; });
+  return mesh;
+}
+
+// Three lines of valence 3 along z, two of which come aside to touch the third in the middle of the box; each
+// has one of valence 5 beside it, where its sheet ends.
+FieldMesh box_with_touching_lines() {
+  FieldMesh mesh = box_with_sheet(3, 5, 0, 6);
+  const Eigen::Vector3d middle(3, 3, 3);
+  turn_sheet(mesh, 1, turn_about_z, [&](const Eigen::Vector3d& p) {
+    return p.y() == 3 && ((p.x() >= 4 && p.x() <= 5) || p == middle);
+  });
+  turn_sheet(mesh, 1, turn_about_z.inverse(), [&](const Eigen::Vector3d& p) {
+    return p.y() == 3 && ((p.x() >= 1 && p.x() <= 2) || p == middle);
+  });
   return mesh;
 }
 
@@ -108,6 +120,48 @@ void test_impossible_nodes() {
   CHECK(told({3, 3, 3, 5}) == 1);
   CHECK(told({3, 3, 3, 6}) == 0);  // other valences are not judged
   CHECK(weight_of(Defect::Kind::impossible_node) == 0);
+}
+
+int singular_edges_at(const FieldMesh& mesh, const EdgeRings& rings, int vertex) {
+  const SingularGraph graph = find_singular_graph(mesh, rings);
+  return static_cast<int>(at(graph.edges_of_vertex, vertex).size());
+}
+
+// Six edges of valence 3 meet, which are three lines: each can be taken past the two others.
+void test_parting_of_touching_lines() {
+  const FieldMesh touching = box_with_touching_lines();
+  const EdgeRings rings = edge_rings(touching.tets, touching.twin);
+  const SingularGraph graph = oriented_singular_graph(touching, rings);
+  CHECK(graph.nodes.size() == 1);
+  CHECK(impossible_nodes(graph) == graph.nodes);
+  const std::vector<Ribbon> ribbons = parting_ribbons(touching, rings, graph, graph.nodes);
+  CHECK(ribbons.size() >= 3);
+  for (const Ribbon& ribbon : ribbons) {
+    FieldMesh mesh = touching;
+    for (const LineMove& move : ribbon) move_line(mesh, rings, move);
+    CHECK(singular_edges_at(mesh, rings, graph.nodes.front()) == 4);
+  }
+}
+
+std::size_t folded_tets(const PreparedField& prepared) {
+  const ParametrizeOptions options{1, 0, 1, Polycubes::never, 1};
+  return solve_prepared(prepared, options, [](double, std::string_view) {}).verification.folded_tets.size();
+}
+
+// With one line taken away two remain, which four edges of valence 3 do not tell from a node; the map does.
+void test_repair_of_nodes() {
+  PreparedField prepared = judged_field(box_with_touching_lines(), {});
+  CHECK(prepared.score() == 0);
+  CHECK(folded_tets(prepared) > 0);
+  prepared = with_line_repairs(std::move(prepared));
+  CHECK(prepared.preparation.line_moves == 1);
+  CHECK(prepared.field.singular.nodes.size() == 1);
+  CHECK(impossible_nodes(prepared.field.singular).empty());
+  CHECK(folded_tets(prepared) > 0);
+  prepared = with_lines_parted(prepared.field.mesh, prepared.preparation);
+  CHECK(prepared.score() == 0);
+  CHECK(prepared.field.singular.nodes.empty());
+  CHECK(folded_tets(prepared) == 0);
 }
 
 // The line arrives at a side of the box across its axis, which lies in that side.
@@ -199,6 +253,8 @@ int main() {
   neurframe::test_turn_is_one_turning_point();
   neurframe::test_jog_is_no_turning_point();
   neurframe::test_impossible_nodes();
+  neurframe::test_parting_of_touching_lines();
+  neurframe::test_repair_of_nodes();
   neurframe::test_grazing_end();
   neurframe::test_cusp_and_empty_corner();
   neurframe::test_removal();

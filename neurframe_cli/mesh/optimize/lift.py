@@ -52,7 +52,7 @@ def lifted(near: NearSurface, placed: Placed, surface: Surface, may_release: boo
     """Hexes whose worst ones are better, no face that moves being farther away than 0.8 of the limit; `may_release`:
     features may let go of the vertices of poor corners.  A mesh that is too far from the surface stays as it is: it is
     given up."""
-    if placed.away > near.limit:
+    if placed.away > near.most:
         return Lifted(placed, 0)
     near = replace(near, limit=CLOSER * near.limit)
     placed = _raised(near, placed)

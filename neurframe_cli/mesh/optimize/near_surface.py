@@ -34,11 +34,13 @@ class Placed:
 
 @dataclass(frozen=True)
 class NearSurface:
-    """The mesh of `improver`; limit, in units of the mesh: no face gets farther away than that, or than it was."""
+    """The mesh of `improver`; limit, in units of the mesh: no face gets farther away than that, or than it was; most,
+    likewise: a mesh that is farther away is given up."""
 
     improver: Improver
     probe: DistanceProbe
     limit: float
+    most: float
 
     def constrained(self, constraints: Constraints) -> NearSurface:
         """The same mesh with other constraints."""

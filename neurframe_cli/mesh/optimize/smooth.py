@@ -29,6 +29,8 @@ Release = Callable[[NearSurface, Placed, Surface], tuple[Placed, int]]
 
 # worst scaled Jacobian of hexes: below it a layer of hexes is tried, beyond it other things than quality count for more
 GOOD_ENOUGH = 0.3
+# all vertices on features, beside a worst scaled Jacobian of GOOD_ENOUGH: a poor hex may make a mesh useless
+FEATURES_WEIGH = 0.5
 PASSED_BY = (
     0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
 )
@@ -37,13 +39,15 @@ PASSED_BY = (
 @dataclass(frozen=True)
 class SmoothOptions:
     """hausdorff_limit, in bounding-box diagonals of the input: the distance of a boundary face may grow up to it, and
-    not at all beyond; reach_limit, likewise: quads that leave places of the surface farther away are moved to them;
-    mend_limit, likewise: how far faces may get for the sake of poor quads; soft_first: hexes that are away from the
-    surface all over are drawn to it by the soft constraints before anything else; samples on the surface for distances,
-    seed for their places."""
+    not at all beyond; given_up, likewise: poor hexes of a mesh that is farther away than both are not lifted;
+    reach_limit, likewise: quads that leave places of the surface farther away are moved to them; mend_limit, likewise:
+    how far faces may get for the sake of poor quads; soft_first: hexes that are away from the surface all over are
+    drawn to it by the soft constraints before anything else; samples on the surface for distances, seed for their
+    places."""
 
     improve: ImproveOptions = field(default_factory=ImproveOptions)
     hausdorff_limit: float = 0.01
+    given_up: float = 0.01
     reach_limit: float = 0.004
     mend_limit: float = 0.005
     soft_first: bool = False
@@ -108,7 +112,8 @@ def smooth_cells(
     probe_of = DistanceProbe if faces is cells else BothDiagonals
     probe = probe_of(faces, surface, options.samples, np.random.default_rng(options.seed))
     diagonal = box_diagonal(surface.V[np.unique(surface.F)])
-    near = NearSurface(improver, probe, options.hausdorff_limit * diagonal)
+    limit = options.hausdorff_limit * diagonal
+    near = NearSurface(improver, probe, limit, most=max(limit, options.given_up * diagonal))
     first = near.placed(improver.first)
     steps = part(progress, 0.0, 0.9)
     if normals is not None:
@@ -191,7 +196,9 @@ def _in_place(
 
 def _worth(near: NearSurface, placed: Placed) -> tuple[bool, float]:
     """The larger, the better: a mesh near the surface, hexes up to GOOD_ENOUGH, vertices on their features."""
-    return placed.away <= near.limit, min(placed.worst / GOOD_ENOUGH, 1.0) + near.on_features(placed)
+    return placed.away <= near.most, min(placed.worst / GOOD_ENOUGH, 1.0) + FEATURES_WEIGH * near.on_features(
+        placed
+    )
 
 
 def _loose(improver: Improver, progress: Progress) -> Floats:
