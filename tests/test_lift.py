@@ -15,12 +15,14 @@ from neurframe_cli.mesh.optimize.near_surface import NearSurface
 from neurframe_cli.mesh.optimize.simplex_tree import SimplexTree
 
 
-def near_surface(shape: Shape, limit: float, most: float | None = None) -> NearSurface:
+def near_surface(shape: Shape, limit: float, useless_beyond: float | None = None) -> NearSurface:
     faces = boundary_quads(shape.cells)
     constraints = classify(shape.V, faces, shape.surface, shape.features, solid=True).constraints
     improver = Improver(shape.V, shape.cells, HEXES, constraints, None, ImproveOptions())
     probe = BothDiagonals(faces, shape.surface, 2000, np.random.default_rng(0))
-    return NearSurface(improver, probe, limit, most=limit if most is None else most)
+    return NearSurface(
+        improver, probe, limit, useless_beyond=limit if useless_beyond is None else useless_beyond
+    )
 
 
 def with_a_feature_along_two_edges(shape: Shape, limit: float) -> NearSurface:
@@ -94,11 +96,11 @@ def test_a_mesh_beyond_the_limit_of_the_distance_stays_as_it_is() -> None:
     assert made.placed.away <= 1.5 * away
 
 
-def test_a_mesh_that_is_not_given_up_is_lifted_beyond_the_limit_and_gets_no_farther() -> None:
+def test_a_mesh_beyond_the_limit_that_is_of_use_is_lifted_and_gets_no_farther() -> None:
     shape = sphere_hexes(4)
     away = near_surface(shape, limit=1.0).placed(near_surface(shape, limit=1.0).improver.first).away
-    near = near_surface(shape, limit=away / 1.1, most=away * 1.01)
+    near = near_surface(shape, limit=away / 1.1, useless_beyond=away * 1.01)
     first = near.placed(near.improver.first)
     made = lifted(near, first, shape.surface, may_release=True)
-    assert made.placed.worst > first.worst
+    assert made.placed.worst > first.worst + 0.02
     assert made.placed.away <= away

@@ -32,7 +32,7 @@ double weight_of(Defect::Kind kind);
 // How far the field is from carrying a map: 0 without defects; kinds that no solver survives weigh most.
 double defect_score(const std::vector<Defect>& defects);
 
-// The nodes with edges of valence 3 and 5 alone that no vertex of a hex mesh has so many of.
+// Nodes whose edges are all of valence 3 or 5, in numbers that no vertex of a hex mesh has.
 std::vector<int> impossible_nodes(const SingularGraph& graph);
 
 std::vector<Defect> field_defects(const CombedField& field);

@@ -55,6 +55,16 @@ FieldMesh make_field_mesh(std::vector<Eigen::Vector3d> points, std::vector<Tet> 
           std::move(features), std::move(twin), std::move(matchings)};
 }
 
+int ring_of(const FieldMesh& mesh, const EdgeRings& rings, int tet, int a, int b) {
+  const Tet& corners = at(mesh.tets, tet);
+  return at(at(rings.edge_of_tet, tet), local_edge(corner_of(corners, a), corner_of(corners, b)));
+}
+
+int third_vertex(const FieldMesh& mesh, int half_face, int a, int b) {
+  const auto vertices = half_face_vertices(mesh.tets, half_face);
+  return *std::find_if(vertices.begin(), vertices.end(), [&](int v) { return v != a && v != b; });
+}
+
 double tet_volume(const FieldMesh& mesh, int tet) {
   return signed_volume(mesh.points, at(mesh.tets, tet));
 }

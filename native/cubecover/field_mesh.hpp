@@ -38,6 +38,12 @@ struct FieldMesh {
 FieldMesh make_field_mesh(std::vector<Eigen::Vector3d> points, std::vector<Tet> tets,
                           std::vector<Eigen::Matrix3d> frames, std::vector<EdgeKey> features);
 
+// The ring of the edge between two vertices of a tet.
+int ring_of(const FieldMesh& mesh, const EdgeRings& rings, int tet, int a, int b);
+
+// The vertex of a half-face that is none of two others.
+int third_vertex(const FieldMesh& mesh, int half_face, int a, int b);
+
 double tet_volume(const FieldMesh& mesh, int tet);
 double edge_length(const FieldMesh& mesh, const EdgeKey& edge);
 Eigen::Vector3d edge_middle(const FieldMesh& mesh, const EdgeKey& edge);

@@ -1,6 +1,7 @@
 #include "cubecover/line_repair.hpp"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "cubecover/arc_orientation.hpp"
@@ -12,13 +13,15 @@ namespace neurframe {
 
 namespace {
 
-constexpr int repair_budget = 60000;  // tets that moves across single faces may prepare again
-constexpr double move_radius = 1.5;   // mean edge lengths
+// tets that may be prepared again: by moves across single faces, by partings of lines
+constexpr int repair_budget = 60000;
+constexpr int parting_budget = 300000;
+constexpr double move_radius = 1.5;  // mean edge lengths
 
 // What searches by moves of lines share.
 class LineSearch : protected FieldSearch {
  protected:
-  explicit LineSearch(PreparedField& prepared) : FieldSearch(prepared, repair_budget) {}
+  using FieldSearch::FieldSearch;
   ~LineSearch() = default;
 
   FieldMesh moved_along(const Ribbon& moves, const EdgeRings& rings) const {
@@ -35,15 +38,14 @@ class LineSearch : protected FieldSearch {
   // The field with other matchings of some faces.
   PreparedField judged(FieldMesh moved, double most_score) const {
     PreparedField candidate = judged_field(std::move(moved), prepared_.preparation, most_score);
-    candidate.restarts = prepared_.restarts;
-    candidate.preparation.line_moves = prepared_.preparation.line_moves + 1;
+    ++candidate.preparation.line_moves;
     return candidate;
   }
 };
 
 class RepairSearch : private LineSearch {
  public:
-  explicit RepairSearch(PreparedField& prepared) : LineSearch(prepared) {}
+  explicit RepairSearch(PreparedField& prepared) : LineSearch(prepared, repair_budget) {}
 
   // Whole arcs first, single faces last: those are many.
   bool improve() {
@@ -88,21 +90,24 @@ std::vector<int> all_nodes(const SingularGraph& graph) {
   return graph.nodes;
 }
 
-// Parts lines from chosen nodes while fewer edges meet at such nodes for it and no defect is added.
+// Parts lines from chosen nodes while fewer edges meet at such nodes for it and the score does not rise.
 class PartingSearch : private LineSearch {
  public:
-  PartingSearch(PreparedField& prepared, NodeChoice choice) : LineSearch(prepared), choice_(choice) {}
+  PartingSearch(PreparedField& prepared, NodeChoice choice)
+      : LineSearch(prepared, parting_budget), choice_(choice) {}
 
   bool improve() {
     const EdgeRings rings = edge_rings(prepared_.framed.tets, prepared_.framed.twin);
     const SingularGraph graph = oriented_singular_graph(prepared_.framed, rings);
     for (const Ribbon& ribbon : parting_ribbons(prepared_.framed, rings, graph, choice_(graph))) {
+      if (failed_.contains(name_of(ribbon))) continue;
       if (!may_try()) return false;
       PreparedField candidate = judged(moved_along(ribbon, rings), prepared_.score());
-      if (candidate.score() > prepared_.score() || edges_at_nodes(candidate) >= edges_at_nodes(prepared_))
-        continue;
-      prepared_ = std::move(candidate);
-      return true;
+      if (candidate.score() <= prepared_.score() && edges_at_nodes(candidate) < edges_at_nodes(prepared_)) {
+        prepared_ = std::move(candidate);
+        return true;
+      }
+      failed_.insert(name_of(ribbon));
     }
     return false;
   }
@@ -115,8 +120,28 @@ class PartingSearch : private LineSearch {
     return count;
   }
 
+  // Its first edge and its last face.
+  static std::pair<int, int> name_of(const Ribbon& ribbon) {
+    return {ribbon.front().ring, ribbon.back().half_face};
+  }
+
   NodeChoice choice_;
+  std::set<std::pair<int, int>> failed_;
 };
+
+void repair(PreparedField& prepared) {
+  RepairSearch search(prepared);
+  while (prepared.score() > 0 && search.improve()) {
+  }
+}
+
+// Whether any was parted.
+bool part_lines(PreparedField& prepared, NodeChoice choice) {
+  PartingSearch search(prepared, choice);
+  bool parted = false;
+  while (search.improve()) parted = true;
+  return parted;
+}
 
 // No move of a line gives room to a cusp or a sector of the boundary that has none.
 bool is_beyond_moves(const Defect& defect) {
@@ -128,20 +153,15 @@ bool is_beyond_moves(const Defect& defect) {
 
 PreparedField with_line_repairs(PreparedField prepared) {
   if (std::any_of(prepared.defects.begin(), prepared.defects.end(), is_beyond_moves)) return prepared;
-  RepairSearch search(prepared);
-  PartingSearch parting(prepared, impossible_nodes);
-  do {
-    while (prepared.score() > 0 && search.improve()) {
-    }
-  } while (parting.improve());
+  repair(prepared);
+  if (part_lines(prepared, impossible_nodes)) repair(prepared);
   return prepared;
 }
 
 PreparedField with_lines_parted(FieldMesh mesh, const Preparation& preparation) {
   PreparedField prepared = judged_field(std::move(mesh), preparation);
-  PartingSearch search(prepared, all_nodes);
-  while (search.improve()) {
-  }
+  part_lines(prepared, impossible_nodes);
+  part_lines(prepared, all_nodes);
   return prepared;
 }
 

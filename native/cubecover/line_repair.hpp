@@ -9,8 +9,8 @@ namespace neurframe {
 // that no hex mesh has.
 PreparedField with_line_repairs(PreparedField prepared);
 
-// A field without defects whose map is folded, with lines parted from its nodes: where two only touch, their
-// valences do not tell.
+// A field without defects whose map is not valid, with lines parted from its nodes, first from those that no
+// hex mesh has: where two only touch, their valences do not tell.
 PreparedField with_lines_parted(FieldMesh mesh, const Preparation& preparation);
 
 }  // namespace neurframe

@@ -93,6 +93,18 @@ class Search {
     try_waiting();
   }
 
+  // Lines that touch spoil a map, though nothing is wrong with either of them: once more with lines parted,
+  // for the field without defects whose map failed least.
+  void try_lines_parted() {
+    if (done() || !failed_with_nodes_) return;
+    auto [mesh, preparation, failures] = std::move(*failed_with_nodes_);
+    PreparedField parted =
+        steps_.run(0.0, "prepare", [&] { return with_lines_parted(std::move(mesh), preparation); });
+    if (parted.preparation.line_moves == preparation.line_moves) return;
+    judged_.push_back(parted.judged());
+    try_field(std::move(parted));
+  }
+
   // Whether a field of frames was without a defect that is known, as its frames have it: where lines had to
   // be moved, retries on a finer mesh never gave a map.
   bool has_sound_field() const { return lowest_score_ == 0; }
@@ -185,16 +197,13 @@ class Search {
   }
 
   void try_field(PreparedField field) {
-    const bool sound = field.score() == 0;
+    const bool sound = field.score() == 0 && !field.preparation.is_polycube();
     Parametrization next = solve_map(std::move(field), options_, steps_);
     attempts_.push_back(
         {next.preparation, next.field.mesh.features.size(), failure_count(next), next.distortion});
     if (next.verification.valid()) remember(next);
-    if (failure_count(next) > 0 && next.preparation.is_polycube()) {
-      try_with_fewer_features(next);
-    } else if (failure_count(next) > 0 && sound) {
-      try_with_lines_parted(next);
-    }
+    if (next.preparation.is_polycube() && failure_count(next) > 0) try_with_fewer_features(next);
+    if (sound) remember_nodes(next);
     if (best_ && !is_better(next, *best_, mesh_)) return;
     best_ = std::move(next);
   }
@@ -208,6 +217,19 @@ class Search {
   void remember(const Parametrization& found) {
     valid_.push_back({cost_of(found, mesh_), found.distortion, {}});
     if (options_.alternative > 1) valid_.back().map = found;
+  }
+
+  struct FailedField {
+    FieldMesh mesh;
+    Preparation preparation;
+    std::size_t failures;
+  };
+
+  void remember_nodes(const Parametrization& found) {
+    const std::size_t failures = failure_count(found);
+    if (failures == 0 || found.field.singular.nodes.empty()) return;
+    if (failed_with_nodes_ && failed_with_nodes_->failures <= failures) return;
+    failed_with_nodes_ = {found.field.mesh, found.preparation, failures};
   }
 
   // Indices of the valid maps, the best one first, without those that are hardly different from a better one.
@@ -235,14 +257,6 @@ class Search {
     waiting_.push_back(prepared([&] { return prepare_again(std::move(released), failed.preparation); }));
   }
 
-  // Lines that touch fold a map, though nothing is wrong with either; they wait for a try apart from each
-  // other.
-  void try_with_lines_parted(const Parametrization& failed) {
-    if (failed.field.singular.nodes.empty()) return;
-    PreparedField parted = prepared([&] { return with_lines_parted(failed.field.mesh, failed.preparation); });
-    if (parted.preparation.line_moves > failed.preparation.line_moves) waiting_.push_back(std::move(parted));
-  }
-
   const FieldMesh& mesh_;
   const ParametrizeOptions& options_;
   Steps& steps_;
@@ -250,6 +264,7 @@ class Search {
   std::vector<PreparationScore> judged_;
   std::optional<Parametrization> best_;
   std::optional<PreparedField> defective_;
+  std::optional<FailedField> failed_with_nodes_;
   double lowest_score_ = std::numeric_limits<double>::infinity();
   std::vector<Attempt> attempts_;
   std::vector<ValidMap> valid_;
@@ -269,6 +284,7 @@ Parametrization parametrize(const FieldMesh& mesh, const ParametrizeOptions& opt
   Search search(mesh, options, steps);
   if (options.polycubes != Polycubes::only) {
     search.try_preparations();
+    search.try_lines_parted();
     if (search.has_sound_field()) search.retry_around_failures();
   }
   if (options.polycubes != Polycubes::never) search.try_polycubes();

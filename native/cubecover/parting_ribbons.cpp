@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
+#include <numbers>
 #include <queue>
 
 namespace neurframe {
 
 namespace {
+
+constexpr double widest_fan = 1.25 * std::numbers::pi;
 
 struct Fan {
   double angle;
@@ -19,7 +21,13 @@ struct Fan {
 class FanSearch {
  public:
   FanSearch(const FieldMesh& mesh, const EdgeRings& rings, const SingularGraph& graph)
-      : mesh_(mesh), rings_(rings), graph_(graph), on_boundary_(boundary_vertices(mesh)) {}
+      : mesh_(mesh),
+        rings_(rings),
+        graph_(graph),
+        on_boundary_(boundary_vertices(mesh)),
+        is_taken_(rings.on_boundary) {
+    for (const SingularEdge& edge : graph.edges) at(is_taken_, edge.ring) = 1;
+  }
 
   void add_fans(int node, std::vector<Fan>& found) {
     node_ = node;
@@ -38,7 +46,7 @@ class FanSearch {
 
  private:
   struct Reached {
-    double angle = std::numeric_limits<double>::infinity();
+    double angle = 0;
     int before = -1;     // the vertex of the link
     int half_face = -1;  // between that one and this
     int ring = -1;       // of the edge to the node
@@ -74,15 +82,13 @@ class FanSearch {
 
   template <class Queue>
   void step(int vertex, int half_face, Queue& front) {
-    int next = -1;
-    for (const int v : half_face_vertices(mesh_.tets, half_face))
-      if (v != node_ && v != vertex) next = v;
-    const Tet& corners = at(mesh_.tets, half_face / 4);
+    const int next = third_vertex(mesh_, half_face, node_, vertex);
+    if (at(is_taken_, ring_of(mesh_, rings_, half_face / 4, vertex, next))) return;
     const double angle = reached_[vertex].angle + angle_between(vertex, next);
-    if (angle >= reached_[next].angle) return;
-    const int ring = at(at(rings_.edge_of_tet, half_face / 4),
-                        local_edge(corner_of(corners, node_), corner_of(corners, next)));
-    reached_[next] = {angle, vertex, half_face, ring};
+    if (angle > widest_fan) return;
+    const auto [found, is_new] = reached_.try_emplace(next);
+    if (!is_new && angle >= found->second.angle) return;
+    found->second = {angle, vertex, half_face, ring_of(mesh_, rings_, half_face / 4, node_, next)};
     front.push({angle, next});
   }
 
@@ -113,6 +119,7 @@ class FanSearch {
   const EdgeRings& rings_;
   const SingularGraph& graph_;
   std::vector<char> on_boundary_;
+  std::vector<char> is_taken_;  // per ring: singular, or on the boundary
   int node_ = -1;
   std::map<int, Reached> reached_;  // by vertex of the link
 };
@@ -121,6 +128,7 @@ class FanSearch {
 
 std::vector<Ribbon> parting_ribbons(const FieldMesh& mesh, const EdgeRings& rings, const SingularGraph& graph,
                                     const std::vector<int>& nodes) {
+  if (nodes.empty()) return {};
   std::vector<Fan> fans;
   FanSearch search(mesh, rings, graph);
   for (const int node : nodes) search.add_fans(node, fans);

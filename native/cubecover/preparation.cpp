@@ -156,7 +156,7 @@ class RestartSearch : private FieldSearch {
     FieldMesh framed = prepared_.framed;
     if (!restart_frames(framed, alignments_, restart)) return false;
     PreparedField candidate = matched_field(std::move(framed), prepared_.preparation);
-    candidate.restarts = prepared_.restarts + 1;
+    ++candidate.preparation.restarts;
     return keep_if_sounder(std::move(candidate));
   }
 

@@ -15,6 +15,7 @@ namespace neurframe {
 struct Preparation {
   int diffusion_rounds = 0;  // of the frames; 0 takes them as they are
   LabelCosts polycube = {};  // of the labels that replace the frames, where compactness is not 0
+  int restarts = 0;          // balls whose frames were started anew
   int line_moves = 0;        // of singular lines, after the frames had been matched
 
   bool is_polycube() const { return polycube.compactness > 0; }
@@ -25,7 +26,6 @@ struct Preparation {
 
 struct PreparationScore {
   Preparation preparation;
-  int restarts;  // balls whose frames were started anew
   int tets;
   double defect_score;
 };
@@ -38,10 +38,9 @@ struct PreparedField {
   ReducedMap map;
   std::vector<Defect> defects;
   Preparation preparation;
-  int restarts = 0;
 
   double score() const { return defect_score(defects); }
-  PreparationScore judged() const { return {preparation, restarts, field.mesh.tet_count(), score()}; }
+  PreparationScore judged() const { return {preparation, field.mesh.tet_count(), score()}; }
 };
 
 // The field of a mesh whose frames are matched.  It has no map where defects that show before scored more.

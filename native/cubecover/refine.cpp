@@ -91,10 +91,7 @@ std::vector<SplitTarget> bridges(const CriticalEdges& critical) {
 }
 
 std::vector<SplitTarget> enclosed_faces(const FieldMesh& mesh, const CriticalEdges& critical) {
-  const auto edge_between = [&](int tet, int a, int b) {
-    const Tet& corners = at(mesh.tets, tet);
-    return at(at(critical.rings.edge_of_tet, tet), local_edge(corner_of(corners, a), corner_of(corners, b)));
-  };
+  const auto edge_between = [&](int tet, int a, int b) { return ring_of(mesh, critical.rings, tet, a, b); };
   std::vector<SplitTarget> targets;
   for (int h = 0; h < mesh.half_face_count(); ++h) {
     if (at(mesh.twin, h) > h) continue;

@@ -77,6 +77,8 @@ Json describe_preparation(const Preparation& preparation) {
   entry["diffusion_rounds"] = preparation.diffusion_rounds;
   entry["polycube_compactness"] = preparation.polycube.compactness;
   entry["polycube_straightness"] = preparation.polycube.straightness;
+  entry["restarts"] = preparation.restarts;
+  entry["line_moves"] = preparation.line_moves;
   return entry;
 }
 
@@ -84,7 +86,6 @@ Json describe_preparations(const std::vector<PreparationScore>& judged) {
   Json::Array entries;
   for (const PreparationScore& score : judged) {
     Json entry = describe_preparation(score.preparation);
-    entry["restarts"] = score.restarts;
     entry["tets"] = score.tets;
     entry["defect_score"] = score.defect_score;
     entries.push_back(std::move(entry));

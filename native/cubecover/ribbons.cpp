@@ -82,13 +82,9 @@ class RibbonSearch {
     const EdgeKey& ends = at(rings_.vertices, rung);
     const int kept = keeps_first ? ends[0] : ends[1];
     const int left = keeps_first ? ends[1] : ends[0];
-    int next = -1;
-    for (const int vertex : half_face_vertices(mesh_.tets, half_face))
-      if (vertex != kept && vertex != left) next = vertex;
+    const int next = third_vertex(mesh_, half_face, kept, left);
     if (at(taken_, next) || at(on_boundary_, left)) return;
-    const Tet& corners = at(mesh_.tets, half_face / 4);
-    const int next_rung = at(at(rings_.edge_of_tet, half_face / 4),
-                             local_edge(corner_of(corners, kept), corner_of(corners, next)));
+    const int next_rung = ring_of(mesh_, rings_, half_face / 4, kept, next);
     const Eigen::Vector3d along = direction_of(at(mesh_.frames, half_face / 4), axis);
     if (at(on_boundary_, next) && (at(on_feature_, next) || !is_normal_at(next, along))) return;
     const Eigen::Vector3d side = at(mesh_.points, next) - at(mesh_.points, left);

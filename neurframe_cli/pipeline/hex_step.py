@@ -59,7 +59,7 @@ def _complete(
 TROUBLE_PICTURE = "hex-trouble.png"
 HEX = MeshKind(
     name="hex",
-    version=10,
+    version=11,
     map_name="map.hexex",
     outputs=("hex.vtk", "hex.mesh"),
     extractor="hexex",

@@ -13,7 +13,8 @@ from typing import Any
 
 from neurframe_cli.errors import NotValid, StageError
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, part, silent
-from neurframe_cli.mesh.optimize.smooth import GOOD_ENOUGH, MeshNumbers, SmoothOptions
+from neurframe_cli.mesh.optimize.near_surface import GOOD_ENOUGH
+from neurframe_cli.mesh.optimize.smooth import MeshNumbers, SmoothOptions
 from neurframe_cli.mesh.optimize.soft_constraints import BAD
 from neurframe_cli.mesh.pinches import has_topology_of, separate_pinches
 from neurframe_cli.mesh.quality.check import CheckOptions, check_hexes

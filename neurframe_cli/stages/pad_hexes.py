@@ -9,7 +9,8 @@ import numpy as np
 from neurframe_cli.mesh.arrays import Features, Floats, Ints, Progress, Surface, silent
 from neurframe_cli.mesh.hex_shell import HEX_EDGES, hex_shell
 from neurframe_cli.mesh.optimize.improve import quad_normals
-from neurframe_cli.mesh.optimize.smooth import GOOD_ENOUGH, MeshNumbers, SmoothedMesh, SmoothOptions
+from neurframe_cli.mesh.optimize.near_surface import GOOD_ENOUGH
+from neurframe_cli.mesh.optimize.smooth import MeshNumbers, SmoothedMesh, SmoothOptions
 from neurframe_cli.stages.smooth_hexes import smooth_hexes
 
 LAYER = 0.4  # share of the hexes at the boundary that the layer takes before smoothing

@@ -1,5 +1,6 @@
 // Singular lines made by hand in the matchings of a box: their orientation, unzipping and removal.
 #include <algorithm>
+#include <random>
 
 #include "core/testing.hpp"
 #include "cubecover/arc_orientation.hpp"
@@ -49,6 +50,18 @@ FieldMesh box_with_sheet(double y_least, double y_most, double z_least, double z
 FieldMesh box_with_node() {
   FieldMesh mesh = box_with_sheet(3, 6, 0, 6);
   turn_sheet(mesh, 2, turn_about_x, [](const Eigen::Vector3d& p) { return p.z() == 3 && p.y() <= 3; });
+  return mesh;
+}
+
+// The same field, every tet in a chart of its own: the products of matchings do not commute then.
+FieldMesh in_other_charts(FieldMesh mesh) {
+  std::mt19937 random(1);
+  for (int t = 0; t < mesh.tet_count(); ++t) {
+    const OctahedralRotation turn(static_cast<int>(random() % OctahedralRotation::count));
+    at(mesh.frames, t) = at(mesh.frames, t) * to_matrix(turn.inverse());
+    for (int h = 4 * t; h < 4 * t + 4; ++h)
+      if (at(mesh.twin, h) >= 0) set_matching(mesh, h, at(mesh.matchings, h) * turn.inverse());
+  }
   return mesh;
 }
 
@@ -129,17 +142,37 @@ int singular_edges_at(const FieldMesh& mesh, const EdgeRings& rings, int vertex)
 
 // Six edges of valence 3 meet, which are three lines: each can be taken past the two others.
 void test_parting_of_touching_lines() {
-  const FieldMesh touching = box_with_touching_lines();
-  const EdgeRings rings = edge_rings(touching.tets, touching.twin);
-  const SingularGraph graph = oriented_singular_graph(touching, rings);
-  CHECK(graph.nodes.size() == 1);
-  CHECK(impossible_nodes(graph) == graph.nodes);
-  const std::vector<Ribbon> ribbons = parting_ribbons(touching, rings, graph, graph.nodes);
-  CHECK(ribbons.size() >= 3);
-  for (const Ribbon& ribbon : ribbons) {
-    FieldMesh mesh = touching;
-    for (const LineMove& move : ribbon) move_line(mesh, rings, move);
-    CHECK(singular_edges_at(mesh, rings, graph.nodes.front()) == 4);
+  for (const FieldMesh& touching : {box_with_touching_lines(), in_other_charts(box_with_touching_lines())}) {
+    const EdgeRings rings = edge_rings(touching.tets, touching.twin);
+    const SingularGraph graph = oriented_singular_graph(touching, rings);
+    CHECK(graph.nodes.size() == 1);
+    CHECK(impossible_nodes(graph) == graph.nodes);
+    const std::vector<Ribbon> ribbons = parting_ribbons(touching, rings, graph, graph.nodes);
+    CHECK(ribbons.size() >= 3);
+    for (const Ribbon& ribbon : ribbons) {
+      FieldMesh mesh = touching;
+      for (const LineMove& move : ribbon) move_line(mesh, rings, move);
+      CHECK(singular_edges_at(mesh, rings, graph.nodes.front()) == 4);
+    }
+  }
+}
+
+// A line along z and one along x: only edges that are opposite go on in each other.
+void test_parting_of_crossing_lines() {
+  for (const FieldMesh& crossing : {box_with_node(), in_other_charts(box_with_node())}) {
+    const EdgeRings rings = edge_rings(crossing.tets, crossing.twin);
+    const SingularGraph graph = oriented_singular_graph(crossing, rings);
+    CHECK(at(graph.edges_of_vertex, graph.nodes.front()).size() == 4);
+    const std::vector<Ribbon> ribbons = parting_ribbons(crossing, rings, graph, graph.nodes);
+    CHECK(!ribbons.empty());
+    for (const Ribbon& ribbon : ribbons) {
+      FieldMesh mesh = crossing;
+      for (const LineMove& move : ribbon) move_line(mesh, rings, move);
+      CHECK(singular_edges_at(mesh, rings, graph.nodes.front()) == 2);
+      for (const LineMove& move : ribbon)
+        for (const int v : half_face_vertices(mesh.tets, move.half_face))
+          CHECK(v == graph.nodes.front() || !at(boundary_vertices(mesh), v));
+    }
   }
 }
 
@@ -254,6 +287,7 @@ int main() {
   neurframe::test_jog_is_no_turning_point();
   neurframe::test_impossible_nodes();
   neurframe::test_parting_of_touching_lines();
+  neurframe::test_parting_of_crossing_lines();
   neurframe::test_repair_of_nodes();
   neurframe::test_grazing_end();
   neurframe::test_cusp_and_empty_corner();

@@ -49,10 +49,10 @@ class Lifted:
 
 
 def lifted(near: NearSurface, placed: Placed, surface: Surface, may_release: bool) -> Lifted:
-    """Hexes whose worst ones are better, no face that moves being farther away than 0.8 of the limit; `may_release`:
-    features may let go of the vertices of poor corners.  A mesh that is too far from the surface stays as it is: it is
-    given up."""
-    if placed.away > near.most:
+    """Hexes whose worst ones are better, no face getting farther away than 0.8 of the limit, or than it was;
+    `may_release`: features may let go of the vertices of poor corners.  A mesh that is of no use so far from the
+    surface stays as it is."""
+    if placed.away > near.useless_beyond:
         return Lifted(placed, 0)
     near = replace(near, limit=CLOSER * near.limit)
     placed = _raised(near, placed)

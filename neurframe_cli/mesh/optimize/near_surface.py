@@ -12,6 +12,10 @@ from neurframe_cli.mesh.optimize.distance_probe import DistanceProbe, Distances
 from neurframe_cli.mesh.optimize.improve import Improver, State
 
 ON = 0.02  # edge lengths between a vertex and the feature that it is on
+# worst scaled Jacobian of hexes: below it a layer of hexes is tried, beyond it other things than quality count for more
+GOOD_ENOUGH = 0.3
+# all vertices on features, beside a worst scaled Jacobian of GOOD_ENOUGH: a poor hex may make a mesh useless
+FEATURES_WEIGH = 0.5
 
 
 @dataclass(frozen=True)
@@ -34,13 +38,13 @@ class Placed:
 
 @dataclass(frozen=True)
 class NearSurface:
-    """The mesh of `improver`; limit, in units of the mesh: no face gets farther away than that, or than it was; most,
-    likewise: a mesh that is farther away is given up."""
+    """The mesh of `improver`; limit, in units of the mesh: no face gets farther away than that, or than it was;
+    useless_beyond, likewise: a mesh that is farther away is of no use."""
 
     improver: Improver
     probe: DistanceProbe
     limit: float
-    most: float
+    useless_beyond: float
 
     def constrained(self, constraints: Constraints) -> NearSurface:
         """The same mesh with other constraints."""
@@ -58,6 +62,11 @@ class NearSurface:
             return 1.0
         off = np.linalg.norm(constraints.project(placed.state.x).points - placed.state.x, axis=1)
         return float((off[held] <= ON * np.median(self.improver.energy.lengths)).mean())
+
+    def worth(self, placed: Placed) -> tuple[bool, bool, float]:
+        """The larger, the better: a mesh near the surface, hexes up to GOOD_ENOUGH, vertices on their features."""
+        quality = min(placed.worst / GOOD_ENOUGH, 1.0) + FEATURES_WEIGH * self.on_features(placed)
+        return placed.away <= self.useless_beyond, placed.away <= self.limit, quality
 
     def within(self, origin: Placed, improved: State) -> Placed:
         """As much of the way from `origin` to `improved` as the limit allows; `origin` where that is better."""

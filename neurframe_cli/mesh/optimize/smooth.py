@@ -27,10 +27,6 @@ from neurframe_cli.mesh.quality.polygons import unique_edges
 
 Release = Callable[[NearSurface, Placed, Surface], tuple[Placed, int]]
 
-# worst scaled Jacobian of hexes: below it a layer of hexes is tried, beyond it other things than quality count for more
-GOOD_ENOUGH = 0.3
-# all vertices on features, beside a worst scaled Jacobian of GOOD_ENOUGH: a poor hex may make a mesh useless
-FEATURES_WEIGH = 0.5
 PASSED_BY = (
     0.25  # edge lengths; coarse quads on a round surface are off by less everywhere, and not to be blamed
 )
@@ -39,7 +35,7 @@ PASSED_BY = (
 @dataclass(frozen=True)
 class SmoothOptions:
     """hausdorff_limit, in bounding-box diagonals of the input: the distance of a boundary face may grow up to it, and
-    not at all beyond; given_up, likewise: poor hexes of a mesh that is farther away than both are not lifted;
+    not at all beyond; useless_beyond, likewise: hexes that are farther away are not lifted, and others preferred;
     reach_limit, likewise: quads that leave places of the surface farther away are moved to them; mend_limit, likewise:
     how far faces may get for the sake of poor quads; soft_first: hexes that are away from the surface all over are
     drawn to it by the soft constraints before anything else; samples on the surface for distances, seed for their
@@ -47,7 +43,7 @@ class SmoothOptions:
 
     improve: ImproveOptions = field(default_factory=ImproveOptions)
     hausdorff_limit: float = 0.01
-    given_up: float = 0.01
+    useless_beyond: float = 0.01
     reach_limit: float = 0.004
     mend_limit: float = 0.005
     soft_first: bool = False
@@ -113,7 +109,7 @@ def smooth_cells(
     probe = probe_of(faces, surface, options.samples, np.random.default_rng(options.seed))
     diagonal = box_diagonal(surface.V[np.unique(surface.F)])
     limit = options.hausdorff_limit * diagonal
-    near = NearSurface(improver, probe, limit, most=max(limit, options.given_up * diagonal))
+    near = NearSurface(improver, probe, limit, useless_beyond=max(limit, options.useless_beyond * diagonal))
     first = near.placed(improver.first)
     steps = part(progress, 0.0, 0.9)
     if normals is not None:
@@ -178,7 +174,7 @@ def _finished_hexes(
     if first is placed:
         return made
     other = _in_place(near, first, surface, None if voids else release, alone=True)
-    return max(made, other, key=lambda one: _worth(near, one[0]))
+    return max(made, other, key=lambda one: near.worth(one[0]))
 
 
 def _in_place(
@@ -192,13 +188,6 @@ def _in_place(
         placed = settled(near, placed, alone)
     made = lifted(near, placed, surface, may_release=release is not None)
     return made.placed, released + made.released
-
-
-def _worth(near: NearSurface, placed: Placed) -> tuple[bool, float]:
-    """The larger, the better: a mesh near the surface, hexes up to GOOD_ENOUGH, vertices on their features."""
-    return placed.away <= near.most, min(placed.worst / GOOD_ENOUGH, 1.0) + FEATURES_WEIGH * near.on_features(
-        placed
-    )
 
 
 def _loose(improver: Improver, progress: Progress) -> Floats:
