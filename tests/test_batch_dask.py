@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import psutil
 import pytest
@@ -18,9 +19,10 @@ import pytest
 pytest.importorskip("distributed", reason="the extra `batch` (Dask) is not installed")
 
 from batch_jobs import began, script_job
+from distributed import Client
 
 from neurframe_cli.batch.outcome import Outcome
-from neurframe_cli.batch.pool import PoolOptions
+from neurframe_cli.batch.pool import PoolOptions, open_pool
 from neurframe_cli.batch.run_batch import run_batch
 from neurframe_cli.errors import StageError
 
@@ -114,6 +116,25 @@ def test_outcomes_outlive_the_scheduler_and_the_rest_is_done_by_the_next(tmp_pat
     assert first.returncode == -signal.SIGKILL
     assert names(came) == [f"j{i}" for i in range(4)]
     assert {outcome.outcome for outcome in came} == {"valid"}
+
+
+def test_a_client_that_fails_in_closing_hides_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As it may while it tries to reach a lost scheduler again."""
+    close = Client.close
+
+    def close_and_fail(client: Client, *arguments: Any, **options: Any) -> None:
+        close(client, *arguments, **options)
+        raise RuntimeError("ConnectionPool is closed")
+
+    monkeypatch.setattr(Client, "close", close_and_fail)
+    with (
+        scheduler(tmp_path) as (_, address),
+        pytest.raises(KeyError, match="the reason"),
+        open_pool(PoolOptions(address)),
+    ):
+        raise KeyError("the reason")
 
 
 def test_without_a_scheduler_the_batch_ends_and_can_be_resumed(tmp_path: Path) -> None:

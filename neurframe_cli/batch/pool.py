@@ -100,13 +100,25 @@ def _client(options: PoolOptions) -> Iterator[Client]:
         elif options.scheduler == SLURM:
             target = stack.enter_context(_slurm(options))
         try:
-            client = stack.enter_context(Client(target, timeout=CONNECT_S))
+            client = Client(target, timeout=CONNECT_S)
         except (OSError, TimeoutError, ValueError) as error:
             raise NoScheduler(
                 f"no Dask scheduler answers at {options.scheduler}: {error}",
                 hint="start one with `dask scheduler`, or name another with --scheduler",
             ) from error
+        yield stack.enter_context(_until_closed(client))
+
+
+@contextlib.contextmanager
+def _until_closed(client: Client) -> Iterator[Client]:
+    """The client's block.  One that is trying to reach a lost scheduler again fails when its connections are closed:
+    that must not hide why the block is left."""
+    client.__enter__()
+    try:
         yield client
+    finally:
+        with contextlib.suppress(OSError, RuntimeError):
+            client.__exit__(None, None, None)
 
 
 def _loopback(options: PoolOptions) -> Any:
