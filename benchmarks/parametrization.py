@@ -28,7 +28,7 @@ from scipy.sparse.linalg import cg
 from scipy.spatial.transform import Rotation
 
 from neurframe_cli.field.fra import write_fra
-from neurframe_cli.mesh.arrays import Floats, Ints, TetMesh
+from neurframe_cli.mesh.arrays import Floats, TetMesh
 from neurframe_cli.mesh.medit import write_medit
 from neurframe_cli.pipeline.executables import find_executable
 
@@ -111,7 +111,7 @@ def reference_seconds(mesh: TetMesh) -> float:
     return time.thread_time() - start
 
 
-def show(kind: str, sizes: Ints | list[int], program: Path, cells: int, threads: int) -> bool:
+def show(kind: str, sizes: list[int], program: Path, cells: int, threads: int) -> bool:
     """Print the table of one kind; False where a map has other singular arcs than it must have."""
     right, head = True, ""
     for n in sizes:

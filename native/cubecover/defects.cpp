@@ -147,7 +147,6 @@ Eigen::VectorXd random_columns(const ReducedMap& map, unsigned seed) {
 
 }  // namespace
 
-// Two unknowns may have one value by chance, in some tet of a hundred thousand; not twice.
 std::vector<Defect> degenerate_tets(const CombedField& field, const ReducedMap& map) {
   std::vector<int> flat(field.mesh.tets.size());
   std::iota(flat.begin(), flat.end(), 0);

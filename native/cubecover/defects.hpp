@@ -37,8 +37,8 @@ std::vector<int> impossible_nodes(const SingularGraph& graph);
 
 std::vector<Defect> field_defects(const CombedField& field);
 
-// Tets whose determinant is zero for random values of the free unknowns, in exact arithmetic: they are so for
-// all.
+// Tets whose determinant is zero for two choices of random values of the free unknowns, in exact arithmetic:
+// they are so for all.  Once may be chance: two unknowns get one value in some tet of a hundred thousand.
 std::vector<Defect> degenerate_tets(const CombedField& field, const ReducedMap& map);
 
 }  // namespace neurframe
