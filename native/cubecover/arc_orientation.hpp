@@ -13,6 +13,7 @@ namespace neurframe {
 // turns after that turns indeed.
 void orient_arcs(const FieldMesh& mesh, const std::vector<SignedAxis>& boundary_axis, SingularGraph& graph);
 
+// The singular graph of a matched field, its arcs oriented.
 SingularGraph oriented_singular_graph(const FieldMesh& mesh, const EdgeRings& rings);
 
 }  // namespace neurframe

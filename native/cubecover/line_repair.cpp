@@ -100,14 +100,14 @@ class PartingSearch : private LineSearch {
     const EdgeRings rings = edge_rings(prepared_.framed.tets, prepared_.framed.twin);
     const SingularGraph graph = oriented_singular_graph(prepared_.framed, rings);
     for (const Ribbon& ribbon : parting_ribbons(prepared_.framed, rings, graph, choice_(graph))) {
-      if (failed_.contains(name_of(ribbon))) continue;
+      if (failed_.contains(key_of(ribbon))) continue;
       if (!may_try()) return false;
       PreparedField candidate = judged(moved_along(ribbon, rings), prepared_.score());
       if (candidate.score() <= prepared_.score() && edges_at_nodes(candidate) < edges_at_nodes(prepared_)) {
         prepared_ = std::move(candidate);
         return true;
       }
-      failed_.insert(name_of(ribbon));
+      failed_.insert(key_of(ribbon));
     }
     return false;
   }
@@ -121,7 +121,7 @@ class PartingSearch : private LineSearch {
   }
 
   // Its first edge and its last face.
-  static std::pair<int, int> name_of(const Ribbon& ribbon) {
+  static std::pair<int, int> key_of(const Ribbon& ribbon) {
     return {ribbon.front().ring, ribbon.back().half_face};
   }
 
